@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file base.h
+ *  Status and error, memory, units, random streams, input digests: what every room stands on. */
+#ifndef HAFT_BASE_H
+#define HAFT_BASE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define HAFT_PRINTF(format_index, first_argument)                                                  \
+    __attribute__((format(printf, format_index, first_argument)))
+#define HAFT_MUST_CHECK __attribute__((warn_unused_result))
+#else
+#define HAFT_PRINTF(format_index, first_argument)
+#define HAFT_MUST_CHECK
+#endif
+
+/** What a fallible function returns; HAFT_OK is 0 and everything else is a failure. */
+typedef enum haft_status {
+    HAFT_OK = 0,
+    HAFT_ERROR_MEMORY,      /**< an allocation failed or its size overflows */
+    HAFT_ERROR_ARGUMENT,    /**< a caller broke a function's stated preconditions */
+    HAFT_ERROR_INPUT,       /**< a case or data file holds something that cannot be used */
+    HAFT_ERROR_IO,          /**< the operating system refused a read, a write or a rename */
+    HAFT_ERROR_NUMERIC,     /**< a computation could not be completed to its tolerance */
+    HAFT_ERROR_LIBRARY,     /**< a library beneath Haft failed */
+    HAFT_ERROR_EXISTS,      /**< a result is there already and was not to be overwritten */
+    HAFT_ERROR_INTERRUPTED, /**< the caller asked for an early end */
+} haft_status;
+
+/** Capacity of an error message; longer ones are cut, and end in "...". */
+#define HAFT_ERROR_CAPACITY 4096
+
+/** One failure with its context, owned by the caller. */
+typedef struct haft_error {
+    haft_status status;
+    char message[HAFT_ERROR_CAPACITY];
+} haft_error;
+
+/** Writes a message and returns `status`, so that `return haft_error_set(...)` reads well.
+ *  @param[out] error may be NULL: then only the status is handed on. Thread-safe for distinct
+ *  errors. */
+haft_status haft_error_set(haft_error *error, haft_status status, const char *format, ...)
+    HAFT_PRINTF(3, 4);
+
+/** Puts text in front of the message that `error` holds already ("cases/a/case.yaml: ..."). */
+void haft_error_prefix(haft_error *error, const char *format, ...) HAFT_PRINTF(2, 3);
+
+/** A short name of a status ("input"), never NULL. */
+const char *haft_status_name(haft_status status);
+
+/** The program's version, "major.minor.patch", and the revision it was built from ("" if none). */
+const char *haft_version(void);
+const char *haft_revision(void);
+
+/** Allocates count * size zeroed bytes, aligned to 64 bytes.
+ *  @return NULL after setting `error` on overflow or exhaustion; never NULL for a size of 0. */
+void *haft_memory_alloc(size_t count, size_t size, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees what haft_memory_alloc() gave; NULL is allowed. */
+void haft_memory_free(void *memory);
+
+/** A units database (UDUNITS-2). Not thread-safe: one thread at a time. */
+typedef struct haft_units haft_units;
+
+haft_status haft_units_create(haft_units **out, haft_error *error) HAFT_MUST_CHECK;
+void haft_units_destroy(haft_units **units);
+
+/** Reads a quantity such as "600 um", "163 GPa", "289 rad/um", "6.46e3 nm^4" or "85 %".
+ *  @param[in] text a number, then a unit; the unit may be missing only if `unit` is "1"
+ *  @param[in] unit the unit wanted ("m", "Pa", "1"); its dimension must agree
+ *  @param[out] value the quantity in `unit`, finite
+ *  @return HAFT_ERROR_INPUT if the text is no number, is not finite, lacks its unit, has an unknown
+ *  unit or one of another dimension; the message names what was read and what is wanted. */
+haft_status haft_units_parse(const haft_units *units, const char *text, const char *unit,
+                             double *value, haft_error *error) HAFT_MUST_CHECK;
+
+/** What a stream of random numbers is for: streams of distinct purposes never share numbers. */
+typedef enum haft_random_purpose {
+    HAFT_RANDOM_BEAM_SURFACE = 1, /**< noise under the surface of a whole beam */
+    HAFT_RANDOM_PATCH_SURFACE,    /**< noise under independent patches */
+    HAFT_RANDOM_TEST,             /**< tests and benches */
+} haft_random_purpose;
+
+/** Key of a counter-based stream: there is no state to carry or save. */
+typedef struct haft_random_key {
+    uint64_t seed;
+    uint64_t purpose; /**< a haft_random_purpose */
+} haft_random_key;
+
+/** Four 64-bit words, Philox4x64-10 of counter (realization, site, draw, 0).
+ *  Source: Salmon, Moraes, Dror, Shaw (2011). Thread-safe. */
+void haft_random_words(haft_random_key key, uint64_t realization, uint64_t site, uint64_t draw,
+                       uint64_t words[4]);
+
+/** A uniform number in the open interval (0, 1), from the upper 53 bits of a word. */
+double haft_random_uniform(uint64_t word);
+
+/** The standard normal quantile, Phi^-1(p) for 0 < p < 1, to 1e-15 relative.
+ *  Source: Wichura (1988), algorithm AS 241 (PPND16). Thread-safe. */
+double haft_random_normal_quantile(double p);
+
+/** Standard normals z[0..n-1], number j of the stream being word (first + j) % 4 of draw
+ *  (first + j) / 4 mapped by the quantile: any stretch of a stream can be had alone.
+ *  Thread-safe. */
+void haft_random_normals(haft_random_key key, uint64_t realization, uint64_t site, uint64_t first,
+                         size_t n, double *z);
+
+/** Characters of a digest, its final 0 included. */
+#define HAFT_DIGEST_CAPACITY 33
+
+/** The 128-bit XXH3 of a block of memory, as 32 lower-case hexadecimal digits. */
+void haft_digest_memory(const void *data, size_t size, char digest[HAFT_DIGEST_CAPACITY]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
