@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file beam.h
+ *  The elastic structure: a clamped Euler-Bernoulli beam in Hermite elements over contact sites,
+ *  as the energy
+ *
+ *      Pi(u, P) = 1/2 u'Ku + sum_r A_r Phi_r(d_r) - P w(x_P),   d_r = gap - w(x_r),
+ *
+ *  w the displacement towards the substrate [m], Phi_r the potential of the law of site r. */
+#ifndef HAFT_BEAM_H
+#define HAFT_BEAM_H
+
+#include "haft/law.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A cantilever of rectangular section, clamped at x = 0 at height `gap` over its substrate. */
+typedef struct haft_beam_spec {
+    double length;        /**< [m] */
+    double width;         /**< [m] */
+    double thickness;     /**< [m] */
+    double gap;           /**< h [m] */
+    double young_modulus; /**< E [Pa] */
+} haft_beam_spec;
+
+/** E w t^3 / 12 [N m^2]. */
+double haft_beam_bending_stiffness(const haft_beam_spec *beam);
+
+/** Effective adhesion energy of a crack length, Gamma = (3/2) E h^2 t^3 / l^4 [J/m^2].
+ *  Source: de Boer and Michalske (1999); Hoang et al. (2017), Eq. 36. */
+double haft_beam_effective_energy(const haft_beam_spec *beam, double crack_length);
+
+/** The crack length of an effective energy, the inverse of the above [m]. */
+double haft_beam_equilibrium_crack(const haft_beam_spec *beam, double energy);
+
+/** Where the nodes lie. */
+typedef enum haft_mesh_kind {
+    HAFT_MESH_UNIFORM, /**< every element_length: several sites share an element */
+    HAFT_MESH_EXACT,   /**< at every site and at the load: exact, since the beam is cubic between */
+} haft_mesh_kind;
+
+typedef struct haft_mesh_spec {
+    haft_mesh_kind kind;
+    double element_length; /**< [m]; for HAFT_MESH_UNIFORM: divides the length */
+    double l_meso;         /**< length of a patch, one site in the middle of each [m] */
+    double load_position;  /**< x_P [m], 0 < x_P <= length */
+} haft_mesh_spec;
+
+/** Unknowns an element, a site or the load touches at most. */
+enum { HAFT_SPAN = 4 };
+
+/** Strain energy 1/2 q'Dq of an element in its two deformation modes q = B u: evaluated through
+ *  differences first, so that rigid motion costs no digits. */
+typedef struct haft_element {
+    int dof[HAFT_SPAN];        /**< unknowns, -1 where held or absent */
+    double mode[2][HAFT_SPAN]; /**< B, in scaled unknowns */
+    double stiffness[3];       /**< D11, D12, D22 in units of energy */
+    double mass[10];           /**< upper triangle of the consistent mass, row by row, scaled */
+} haft_element;
+
+/** A contact site: gap d = gap - sum shape[k] u[dof[k]]. */
+typedef struct haft_site {
+    double x;    /**< position [m] */
+    double area; /**< A_r [m^2] */
+    int dof[HAFT_SPAN];
+    double shape[HAFT_SPAN]; /**< [m] a unit of each unknown */
+} haft_site;
+
+/** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
+ *
+ *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
+ *  node's own element length. `scale[i]` takes unknown i to metres or radians. */
+typedef struct haft_model {
+    size_t dofs;
+    double *scale;
+    double energy_unit; /**< [J] */
+    double gap;         /**< [m] */
+    size_t elements;
+    haft_element *element;
+    size_t sites;
+    haft_site *site; /**< in order of x */
+    haft_site load;  /**< where the load acts; its area is unused */
+    size_t nodes;    /**< 0 for a structure that is no beam */
+    double *node_x;  /**< [m] */
+    size_t nonzeros;
+    int *column;       /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
+    int *row;          /**< and rows, sorted */
+    double *stiffness; /**< K in that pattern, in units of energy */
+    double *mass;      /**< M in that pattern: integral of w^2 / (h^2 L) */
+    int *element_slot; /**< place of each of an element's 16 entries in the pattern, -1 if none */
+    int *site_slot;    /**< and of a site's */
+} haft_model;
+
+/** Meshes a beam. @return HAFT_ERROR_INPUT where l_meso or element_length does not divide the
+ * length (the message names the nearest that does) or the load is off the beam. */
+haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
+                                   const haft_mesh_spec *mesh, haft_error *error) HAFT_MUST_CHECK;
+
+/** A structure put together by hand, for other mechanics and for tests: elements, sites and load in
+ *  scaled unknowns as described above; every array is copied. */
+typedef struct haft_model_parts {
+    size_t dofs;
+    const double *scale; /**< NULL: all 1 */
+    double energy_unit, gap;
+    size_t elements;
+    const haft_element *element;
+    size_t sites;
+    const haft_site *site;
+    haft_site load;
+} haft_model_parts;
+haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
+                              haft_error *error) HAFT_MUST_CHECK;
+void haft_model_destroy(haft_model **model);
+
+/** The two parts of a state's energy [J]. */
+typedef struct haft_energy {
+    double strain;  /**< 1/2 u'Ku */
+    double contact; /**< sum A_r Phi_r(d_r) */
+} haft_energy;
+
+/** Displacement of a site or of the load point [m]. */
+double haft_model_displacement(const haft_site *site, const double *u);
+
+/** Gaps d[sites] of a state [m]. Thread-safe. */
+void haft_model_gaps(const haft_model *model, const double *u, double *d);
+
+/** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy and
+ *  the Hessian in the model's pattern. A site without attraction or push in reach costs one law.
+ *  @param[in] laws one a site
+ *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
+ *  rounding error is measured against. Thread-safe. */
+haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, const double *u,
+                                double load, double *gradient, double *hessian,
+                                double *force_scale);
+
+/** Deflection w [m] and rotation dw/dx of a beam at x: Hermite interpolation of its own shape. */
+void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
+                      double *rotation);
+
+/** Length from the clamp to the first point where the attraction of the patch above it is felt:
+ *  d(x) <= haft_law_reach(law, share), found in the beam's own cubic shape to round-off.
+ *  @return the model's length if the beam touches nowhere (then it is free). Thread-safe. */
+double haft_model_crack_length(const haft_model *model, const haft_law *laws, const double *u,
+                               double share);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

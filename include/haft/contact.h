@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file contact.h
+ *  The apparent contact pressure f(d) of a rough patch against a plane at distance d from its mean
+ *  plane: Hertzian asperities and capillary menisci. Positive pressure pushes apart. */
+#ifndef HAFT_CONTACT_H
+#define HAFT_CONTACT_H
+
+#include "haft/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Water condensing between two surfaces at a humidity. */
+typedef struct haft_capillary_spec {
+    double humidity;        /**< relative humidity, 0 < RH < 1 */
+    double temperature;     /**< [K] */
+    double surface_energy;  /**< liquid-vapour, gamma [N/m] */
+    double molar_volume;    /**< of the liquid [m^3/mol] */
+    double contact_angle_1; /**< [rad], 0 <= angle < pi/2 */
+    double contact_angle_2; /**< [rad] */
+} haft_capillary_spec;
+
+typedef struct haft_capillary {
+    double kelvin_radius; /**< r_K = gamma V_m / (R T ln RH) [m], negative */
+    double pressure;      /**< Laplace pressure R T ln RH / V_m [Pa], negative */
+    double range;         /**< h_C = -r_K (cos rho_1 + cos rho_2) [m] */
+} haft_capillary;
+
+/** Kelvin radius, Laplace pressure and capillary range.
+ *  Source: Hoang et al. (2017), Eqs. 12-14; the range without the printed factor 2, which would
+ *  double the wet area they report. @return HAFT_ERROR_INPUT outside the valid ranges. */
+haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_spec *spec,
+                                     haft_error *error) HAFT_MUST_CHECK;
+
+/** Equivalent modulus of two elastic bodies, ((1-nu1^2)/E1 + (1-nu2^2)/E2)^-1 [Pa]. */
+double haft_contact_modulus(double young_1, double poisson_1, double young_2, double poisson_2);
+
+/** What counts as one asperity. */
+typedef enum haft_asperity_model {
+    /** Local maxima among 8 neighbours; apex and radius from the quadratic through the 3 x 3
+     *  points, radius the inverse of the mean curvature. */
+    HAFT_ASPERITY_SUMMITS,
+    /** Connected regions above d (8-connected); the paraboloid with the region's area A and volume
+     *  V: penetration 2V/A, radius A^2/(4 pi V). */
+    HAFT_ASPERITY_ISLANDS,
+} haft_asperity_model;
+
+typedef struct haft_contact_spec {
+    haft_asperity_model asperities;
+    double modulus;        /**< equivalent modulus [Pa] */
+    bool has_capillary;    /**< false: Hertz alone */
+    double pressure;       /**< Laplace pressure [Pa], negative */
+    double capillary_range; /**< h_C [m] */
+} haft_contact_spec;
+
+/** A patch's answer at n distances; arrays are the caller's, each of length n. Areas are fractions
+ *  of the nominal area. wet_area is the area below h_C, contact area included; the capillary
+ *  pressure acts on wet_area - contact_area. Any pointer but force may be NULL. */
+typedef struct haft_curve {
+    size_t n;
+    const double *distance; /**< [m], strictly increasing, evenly spaced */
+    double *force;          /**< f(d) [Pa] */
+    double *contact_area;   /**< Hertz area, pi R (z_s - d) summed */
+    double *wet_area;       /**< share of points with d - z < h_C */
+    double *asperities;     /**< asperities in contact an area [1/m^2] */
+} haft_curve;
+
+/** Scratch for patches of up to rows x columns points; one a thread. */
+typedef struct haft_contact_work haft_contact_work;
+haft_status haft_contact_work_create(haft_contact_work **out, size_t rows, size_t columns,
+                                     haft_error *error) HAFT_MUST_CHECK;
+void haft_contact_work_destroy(haft_contact_work **work);
+
+/** f(d) of the patch z[rows][columns] with the given grid step.
+ *
+ *  f(d) = (1/A) sum (4/3) E sqrt(R) (z_s - d)^{3/2} + pressure * (wet(d) - contact(d)).
+ *
+ *  The heights are gone through once: points are counted into the intervals between the distances
+ *  (a bucket sort; menisci merge because area is counted, not asperities), and the few above the
+ *  lowest distance are sorted for the islands, which grow and merge by union-find.
+ *  Source: Hertz (1882); Hoang et al. (2017), Sec. 2.2.2.
+ *  @return HAFT_ERROR_ARGUMENT for a distance grid that is not even or increasing or a patch larger
+ *  than the work; HAFT_ERROR_INPUT for heights that are not finite. Thread-safe for distinct work. */
+haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec *spec,
+                               const double *z, size_t rows, size_t columns, double step,
+                               haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;
+
+/** What a patch looks like where its force vanishes. */
+typedef struct haft_zero_force {
+    bool found; /**< false: no change of sign on the grid */
+    double distance;
+    double contact_area;
+    double wet_area;
+    double asperities; /**< [1/m^2] */
+} haft_zero_force;
+
+/** The largest distance at which f changes from push to pull, everything else interpolated
+ *  linearly there. The curve must hold all its arrays. Thread-safe. */
+haft_zero_force haft_contact_zero_force(const haft_curve *curve);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

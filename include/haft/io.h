@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file io.h
+ *  Cases (strict YAML with units), laws and results (HDF5, written whole or not at all), CSV. */
+#ifndef HAFT_IO_H
+#define HAFT_IO_H
+
+#include "haft/beam.h"
+#include "haft/contact.h"
+#include "haft/law.h"
+#include "haft/solve.h"
+#include "haft/surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { HAFT_NAME_CAPACITY = 128, HAFT_TEXT_CAPACITY = 512 };
+
+/** Where the solver's laws come from. */
+typedef enum haft_sampler {
+    HAFT_SAMPLER_EXPLICIT, /**< patches cut from one seamless surface of the whole beam */
+    HAFT_SAMPLER_PATCHES,  /**< independent patches */
+} haft_sampler;
+
+/** What is done with a curve that no Morse law fits. */
+typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
+
+/** A resolved case: defaults filled in, everything in SI. */
+typedef struct haft_case {
+    char name[HAFT_NAME_CAPACITY];
+    char title[HAFT_TEXT_CAPACITY];
+    uint64_t seed;
+
+    struct {
+        haft_psd psd;
+        double grid_step;        /**< [m] */
+        double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-6 */
+    } surface;
+
+    struct {
+        haft_asperity_model asperities;
+        double young_modulus; /**< of both bodies [Pa] */
+        double poisson_ratio; /**< of both bodies */
+        bool has_capillary;
+        haft_capillary_spec capillary;
+        double distance_from, distance_to,
+            distance_step; /**< gaps at which f(d) is evaluated [m] */
+    } contact;
+
+    struct {
+        haft_law_kind kind;
+        double f_limit; /**< [Pa] */
+        haft_unfit unfit;
+        haft_sampler sampler;
+    } law;
+
+    haft_beam_spec beam;
+    haft_mesh_spec mesh; /**< load_position included */
+    haft_programme programme;
+    haft_path_options path;
+
+    size_t realizations;
+
+    struct {
+        bool all;
+        size_t count;
+        size_t *realization; /**< which realizations leave evidence; owned by the case */
+    } evidence;
+
+    /** Numbers to print beside ours; NaN where the case gives none. */
+    struct {
+        double paper_crack_length, measured_crack_length; /**< [m] */
+    } reference;
+} haft_case;
+
+/** Reads and resolves `path`, the case.yaml of a case directory. All that is wrong is told at once,
+ *  a line each: "FILE:LINE:COLUMN: KEY: what is wrong; what would be right".
+ *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
+haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
+void haft_case_destroy(haft_case **c);
+
+/** The resolved case as YAML that reads back to the same bits; the caller frees it with
+ *  haft_memory_free(). */
+haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
+
+/** Digest of all that the laws depend on: what must not change for laws.h5 to stay valid. */
+haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
+                                  haft_error *error) HAFT_MUST_CHECK;
+
+/** Contents of laws.h5: m curves on n distances with what was read off them. */
+typedef struct haft_laws {
+    size_t m, n;
+    size_t sites;            /**< laws a realization: law k of realization j is j * sites + k */
+    double f_limit;          /**< [Pa] */
+    double *distance;        /**< n [m] */
+    double *force;           /**< m x n [Pa] */
+    haft_law_vector *vector; /**< m; NaN where the fault forbids it */
+    haft_law_fault *fault;   /**< m */
+    double *zero_distance;   /**< m: zero-force distance [m], NaN if none */
+    double *contact_area;    /**< m: there, share of the area */
+    double *wet_area;        /**< m */
+    double *asperities;      /**< m: in contact, a patch */
+} haft_laws;
+
+haft_status haft_laws_create(haft_laws **out, size_t m, size_t n,
+                             haft_error *error) HAFT_MUST_CHECK;
+void haft_laws_destroy(haft_laws **laws);
+
+/** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it.
+ *  Nothing is left behind by a failure. @param[in] c its resolved text and digests go with it. */
+haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const char *path,
+                            haft_error *error) HAFT_MUST_CHECK;
+
+/** Reads and checks laws.h5: signature, layout version, shapes, finiteness.
+ *  @param[out] digest may be NULL: the digest of the inputs it was built from.
+ *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged; the
+ *  message says how to build it anew. */
+haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,
+                           haft_error *error) HAFT_MUST_CHECK;
+
+/** One row of results.h5's /summary. */
+typedef struct haft_summary {
+    double crack_length; /**< after unloading [m]; the beam's length if free */
+    double loaded_crack_length;
+    double gamma;            /**< Eq. 36 [J/m^2]; 0 if free */
+    double work, dissipated; /**< [J] */
+    double ledger_error;
+    double seconds;
+    int outcome; /**< a haft_outcome */
+    int jumps, steps;
+    int unfit; /**< sites whose curve no Morse law fits */
+} haft_summary;
+
+/** A results file being written: one realization after another, in any order, by one thread at a
+ *  time. Nothing shows under `path` before haft_results_finish(). */
+typedef struct haft_results haft_results;
+
+/** @param[in] overwrite false: HAFT_ERROR_EXISTS if `path` is there, before anything is written. */
+haft_status haft_results_create(haft_results **out, const char *path, const haft_case *c,
+                                const char *laws_digest, bool overwrite,
+                                haft_error *error) HAFT_MUST_CHECK;
+
+/** Adds /realizations/K: its path and jumps, and its evidence where the case asks for it. */
+haft_status haft_results_add(haft_results *results, size_t realization, const haft_path *path,
+                             const haft_model *model, const haft_law *laws,
+                             const haft_law_vector *vectors, const haft_summary *summary,
+                             haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes /summary (realizations never added carry NaN and outcome -1), flushes and renames. */
+haft_status haft_results_finish(haft_results **results, haft_error *error) HAFT_MUST_CHECK;
+
+/** Drops an unfinished file and its temporary name; NULL is allowed. */
+void haft_results_abandon(haft_results **results);
+
+/** What `haft plot` and `haft info` need of a results file. */
+typedef struct haft_results_view {
+    size_t realizations;
+    haft_summary *summary; /**< realizations */
+    char *resolved_case;   /**< YAML text */
+} haft_results_view;
+haft_status haft_results_read(haft_results_view **out, const char *path,
+                              haft_error *error) HAFT_MUST_CHECK;
+void haft_results_view_destroy(haft_results_view **view);
+
+/** Reads one realization's path and jumps back (no states). */
+haft_status haft_results_read_path(haft_path **out, const char *path, size_t realization,
+                                   haft_error *error) HAFT_MUST_CHECK;
+
+/** Beam shapes kept as evidence. */
+typedef struct haft_results_shapes {
+    size_t points, nodes;
+    double *node_x;     /**< nodes [m] */
+    double *deflection; /**< points x nodes [m], towards the substrate */
+    double *rotation;   /**< points x nodes */
+} haft_results_shapes;
+
+/** @return HAFT_ERROR_INPUT if that realization left no evidence; the message says how to ask. */
+haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path,
+                                     size_t realization, haft_error *error) HAFT_MUST_CHECK;
+void haft_results_shapes_destroy(haft_results_shapes **shapes);
+
+/** A column of a CSV file. */
+typedef struct haft_csv_column {
+    const char *name; /**< with its unit: "distance [nm]" */
+    const double *value;
+    size_t stride; /**< in doubles; 0 means 1 */
+    double factor; /**< value is multiplied by this on writing; 0 means 1 */
+} haft_csv_column;
+
+/** Writes rows of columns as CSV, first line the names, numbers to 12 digits; whole or not at all
+ *  (temporary name, rename). */
+haft_status haft_csv_write(const char *path, size_t rows, size_t columns,
+                           const haft_csv_column *column, haft_error *error) HAFT_MUST_CHECK;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file law.h
+ *  Adhesive contact laws f(d): pressure against gap, positive pushing apart, with slope, curvature
+ *  and potential; a curve's characteristic numbers; the Morse law fitted to them; the curve itself
+ *  as a C1 monotone table. */
+#ifndef HAFT_LAW_H
+#define HAFT_LAW_H
+
+#include "haft/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The four numbers that stand for a law. Source: Hoang et al. (2017), Eqs. 18-21. */
+typedef struct haft_law_vector {
+    double e;       /**< energy of the attractive part [J/m^2], > 0 */
+    double f_max;   /**< greatest pull [Pa], > 0 */
+    double d_max;   /**< gap of the greatest pull [m] */
+    double d_limit; /**< gap at which the push reaches f_limit [m], < d_max */
+} haft_law_vector;
+
+/** Why a curve has no law vector, or a law vector no Morse law. */
+typedef enum haft_law_fault {
+    HAFT_LAW_SOUND = 0,
+    HAFT_LAW_NO_ATTRACTION, /**< never pulls */
+    HAFT_LAW_TWO_WELLS,     /**< two pulls with a barrier between them */
+    HAFT_LAW_RANGE_LEFT,    /**< the push does not reach f_limit on the grid */
+    HAFT_LAW_RANGE_RIGHT,   /**< the pull has not died away at the grid's end */
+    HAFT_LAW_BOUND,         /**< e <= f_max / (2 a_left): the left wing alone holds more energy */
+    HAFT_LAW_INVALID,       /**< a number is not finite, or e, f_max, d_max - d_limit not positive */
+    HAFT_LAW_FAULTS         /**< how many there are */
+} haft_law_fault;
+
+/** A short name of a fault ("two wells"), never NULL. */
+const char *haft_law_fault_name(haft_law_fault fault);
+
+/** Share of f_max by which the pull must sink between two wells to count as a barrier, and that the
+ *  last point's pull must be below. */
+#define HAFT_LAW_PROMINENCE 0.05
+
+/** Law vector of a sampled curve, read off its C1 monotone interpolant: d_max and f_max from the
+ *  parabola through the three points about the greatest pull, e the exact integral of the
+ *  interpolant's negative part, d_limit the first crossing of f_limit to the left of d_max.
+ *  @param[in] distance evenly increasing [m], n >= 4
+ *  @param[in] f_limit the limit push [Pa], > 0
+ *  @return the fault; *vector is set only if HAFT_LAW_SOUND. A Morse law may still refuse it
+ *  (HAFT_LAW_BOUND): see haft_law_morse(). Thread-safe. */
+haft_law_fault haft_law_characterise(size_t n, const double *distance, const double *force,
+                                     double f_limit, haft_law_vector *vector);
+
+/** Table of a curve: piecewise cubic Hermite, monotone between points. */
+typedef struct haft_law_table haft_law_table;
+
+typedef enum haft_law_kind { HAFT_LAW_MORSE, HAFT_LAW_TABLE } haft_law_kind;
+
+/** One law; a value, copied freely. A table law borrows its table. */
+typedef struct haft_law {
+    haft_law_kind kind;
+    double f_max, d_max; /**< greatest pull [Pa] and its gap [m] (0 and NaN: never pulls) */
+    double a_left, a_right; /**< Morse exponents [1/m] */
+    double wall_distance;   /**< below it the wall goes on linearly [m] */
+    double wall_force, wall_slope, wall_potential; /**< f [Pa], f' [Pa/m], Phi [J/m^2] at the wall */
+    const haft_law_table *table;
+} haft_law;
+
+/** f, f', f'' and Phi at a gap, with Phi' = -f and Phi = 0 at infinity. */
+typedef struct haft_law_value {
+    double force;     /**< [Pa] */
+    double slope;     /**< df/dd [Pa/m] */
+    double curvature; /**< d2f/dd2 [Pa/m^2]; one-sided from above at the kinks */
+    double potential; /**< [J/m^2] */
+} haft_law_value;
+
+/** The two-wing Morse law of a vector, in closed form:
+ *  a_left = ln(1 + sqrt(1 + f_limit/f_max)) / (d_max - d_limit),
+ *  e = f_max (1/(2 a_left) + 3/(2 a_right)),
+ *  f = f_max (E^2 - 2 E), E = exp(-a (d - d_max)), a by the side of d_max; below d_limit the
+ *  tangent. C1 everywhere.
+ *  Source: Hoang et al. (2017), Eqs. 22-23, solved; the validity condition e > f_max/(2 a_left)
+ *  follows. @return HAFT_LAW_SOUND, HAFT_LAW_INVALID or HAFT_LAW_BOUND. Thread-safe. */
+haft_law_fault haft_law_morse(haft_law *out, const haft_law_vector *vector, double f_limit);
+
+/** The vector of a Morse law, read back from its exponents. Inverse of haft_law_morse(). */
+haft_law_vector haft_law_morse_vector(const haft_law *law);
+
+/** Makes a table of a curve by monotone cubic Hermite interpolation; left of the first point the
+ *  tangent goes on, right of the last the force is zero (the last value is set to 0 if it pulls
+ *  by less than HAFT_LAW_PROMINENCE of the greatest pull; else HAFT_ERROR_INPUT).
+ *  Source: Fritsch and Butland (1984). */
+haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
+                                  const double *force, haft_error *error) HAFT_MUST_CHECK;
+void haft_law_table_destroy(haft_law_table **table);
+
+/** The law of a table, which must outlive it. */
+haft_law haft_law_from_table(const haft_law_table *table);
+
+/** Value, slope, curvature and potential at gap d [m]. Never overflows. Thread-safe. */
+haft_law_value haft_law_evaluate(const haft_law *law, double d);
+
+/** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the
+ *  gap at which its push vanishes. 0 < share < 1. Thread-safe. */
+double haft_law_reach(const haft_law *law, double share);
+
+/** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a Morse
+ *  law; f_max over the steepest slope of a table. Thread-safe. */
+double haft_law_range(const haft_law *law);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file solve.h
+ *  Quasi-static paths with many instabilities: load to a crack length, unload to nothing; every
+ * jump is located, landed by gradient flow and entered in a ledger; every accepted state is stable.
+ */
+#ifndef HAFT_SOLVE_H
+#define HAFT_SOLVE_H
+
+#include "haft/beam.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** What the load does. */
+typedef struct haft_programme {
+    double crack_length; /**< load until the crack is as short as this [m] */
+    double
+        crack_threshold; /**< share of f_max from which attraction counts as felt, 0 < share < 1 */
+    double load_limit;   /**< and no further than this [N]; INFINITY for none */
+} haft_programme;
+
+/** How finely the path is followed. Zero in a field asks for its default. */
+typedef struct haft_path_options {
+    double gap_step;           /**< largest move of a gap in a step, in ranges of its law; 0.25 */
+    double ledger_tolerance;   /**< largest gap between energy and work of a step, relative to the
+                                    step's work; 1e-10 */
+    double residual_tolerance; /**< of the equilibrium, relative to the largest force; 1e-11 */
+    double flow_step;          /**< error of a flow step, in ranges of the laws; 0.02 */
+    size_t step_limit;         /**< accepted steps and flow steps together; 200000 */
+    bool keep_states;          /**< keep u at every accepted step */
+} haft_path_options;
+
+/** Why a path ended. */
+typedef enum haft_outcome {
+    HAFT_OUTCOME_STUCK,        /**< unloaded, and still in contact */
+    HAFT_OUTCOME_FREE,         /**< unloaded, and touching nowhere */
+    HAFT_OUTCOME_LOAD_LIMIT,   /**< the load limit came before the crack length */
+    HAFT_OUTCOME_STEP_STALLED, /**< no step could be made, however small */
+    HAFT_OUTCOME_FOLD_LOST,    /**< a fold could not be located */
+    HAFT_OUTCOME_FLOW_STALLED, /**< a landing did not come to rest */
+    HAFT_OUTCOME_STEP_LIMIT,   /**< more steps than allowed */
+    HAFT_OUTCOME_NOT_FINITE,   /**< a law gave a value that is not finite */
+    HAFT_OUTCOMES              /**< how many there are */
+} haft_outcome;
+const char *haft_outcome_name(haft_outcome outcome);
+
+typedef enum haft_jump_kind { HAFT_JUMP_PULL_IN, HAFT_JUMP_PULL_OUT } haft_jump_kind;
+
+/** One accepted state; energies, work and dissipation are sums from the start [J]. */
+typedef struct haft_path_point {
+    double load;            /**< P [N] */
+    double deflection;      /**< w(x_P) [m] */
+    double crack_length;    /**< [m] */
+    double internal_energy; /**< strain energy */
+    double contact_energy;
+    double work;        /**< of the load */
+    double dissipated;  /**< in jumps */
+    double lambda_min;  /**< smallest eigenvalue of H phi = lambda M phi, scaled: > 0 */
+    double least_pivot; /**< smallest pivot of the factored Hessian over its largest: > 0 */
+    int phase;          /**< 0 loading, 1 unloading */
+    int jump;           /**< index of the jump that led here, -1 if none */
+} haft_path_point;
+
+/** One jump at constant load. */
+typedef struct haft_jump {
+    haft_jump_kind kind; /**< pull-in if the gaps closed */
+    int phase;
+    double load;                      /**< of the fold [N] */
+    int site;                         /**< the site that moves most in the fold's null vector */
+    int sites_switched;               /**< sites that came into or went out of reach */
+    double crack_before, crack_after; /**< [m] */
+    double dissipated;                /**< fall of Pi at the fold's load [J], > 0 */
+    double internal_before, internal_after; /**< strain energy at the fold and at the landing [J] */
+    int flow_steps;
+    double fold_defect; /**< |dP/dtau| left at the located fold, relative to the branch's own */
+} haft_jump;
+
+/** Work done by the solver, for reports of cost. */
+typedef struct haft_path_cost {
+    size_t steps, rejected, newton_iterations, factorizations, folds, flow_steps;
+} haft_path_cost;
+
+/** A path, grown by haft_solve_path() and owned by the caller. */
+typedef struct haft_path {
+    size_t points, jumps;
+    haft_path_point *point;
+    haft_jump *jump;
+    double *state;       /**< points x dofs (keep_states), else NULL: scaled unknowns */
+    double *final_state; /**< dofs */
+    size_t turn;         /**< index of the last point of the loading */
+    haft_outcome outcome;
+    double ledger_error; /**< greatest |work - energy - dissipated| over the path / total |work| */
+    haft_path_cost cost;
+    size_t point_capacity, jump_capacity;
+} haft_path;
+
+/** Follows the programme. Not converging is an outcome, not an error: what was followed so far is
+ *  in the path. @param[in] laws one a site of the model
+ *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_ARGUMENT or HAFT_ERROR_LIBRARY. Thread-safe. */
+haft_status haft_solve_path(haft_path **out, const haft_model *model, const haft_law *laws,
+                            const haft_programme *programme, const haft_path_options *options,
+                            haft_error *error) HAFT_MUST_CHECK;
+void haft_path_destroy(haft_path **path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

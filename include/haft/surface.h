@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file surface.h
+ *  Power spectral densities, their moments, and Gaussian surfaces generated from them.
+ *
+ *  Convention: the variance is m0 = integral of s over the whole plane of wave vectors, with no
+ *  factor 1/(2 pi)^2; only so do the published parameters give the published roughness. */
+#ifndef HAFT_SURFACE_H
+#define HAFT_SURFACE_H
+
+#include "haft/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A self-affine isotropic PSD: s_0 up to zeta_0, then a power law down to s_1 at zeta_max, nothing
+ *  beyond. Source: Hoang et al. (2017), Eq. 34. */
+typedef struct haft_psd {
+    double zeta_max; /**< shortest wave's number [rad/m] */
+    double zeta_0;   /**< roll-off [rad/m], 0 < zeta_0 < zeta_max */
+    double s_0;      /**< plateau [m^4] */
+    double s_1;      /**< value at zeta_max [m^4], 0 < s_1 <= s_0 */
+} haft_psd;
+
+/** Spectral moments of a profile cut through an isotropic surface. */
+typedef struct haft_psd_moments {
+    double m0; /**< variance of height [m^2], 2 pi int s zeta dzeta */
+    double m2; /**< variance of slope along a line, pi int s zeta^3 dzeta */
+    double m4; /**< variance of curvature along a line [1/m^2], (3 pi/4) int s zeta^5 dzeta */
+} haft_psd_moments;
+
+/** Greenwood-Williamson parameters of the surface with given moments. */
+typedef struct haft_gw {
+    double alpha;             /**< bandwidth m0 m4 / m2^2 */
+    double radius;            /**< mean summit radius [m], (3/8) sqrt(pi/m4) */
+    double density;           /**< summits an area [1/m^2], m4 / (6 pi sqrt(3) m2) */
+    double summit_deviation;  /**< standard deviation of summit heights [m], sqrt(1-0.8968/alpha) sqrt(m0) */
+} haft_gw;
+
+/** Checks 0 < zeta_0 < zeta_max and 0 < s_1 <= s_0, all finite. */
+haft_status haft_psd_check(const haft_psd *psd, haft_error *error) HAFT_MUST_CHECK;
+
+/** s(zeta) [m^4] of a checked PSD. Thread-safe. */
+double haft_psd_value(const haft_psd *psd, double zeta);
+
+/** The moments in closed form (piecewise powers). Thread-safe. */
+haft_psd_moments haft_psd_get_moments(const haft_psd *psd);
+
+/** Source: McCool (1987). Thread-safe. */
+haft_gw haft_gw_from_moments(haft_psd_moments moments);
+
+/** A plan to generate surfaces: read-only once made, shared by any number of threads.
+ *
+ *  Method. White noise on a lattice of step p * grid_step (p the largest integer that keeps
+ *  pi / lattice step >= zeta_max), numbered from the beam's corner and drawn by counter, is
+ *  convolved with a kernel of compact support: the inverse transform of sqrt(s), tapered to zero at
+ *  radius `reach`. A block transforms its own noise with a halo of that radius, multiplies by the
+ *  kernel's transform, and interpolates to the fine grid by zero padding. So the field is
+ *  stationary by construction, blocks join as if they were one, and any block can be had alone. The
+ *  reach is the smallest for which what the taper takes from the kernel's energy is below
+ *  `tolerance`. Row i runs along the beam, column j across it. */
+typedef struct haft_surface_plan haft_surface_plan;
+
+/** The scratch of one thread: its buffers. */
+typedef struct haft_surface_work haft_surface_work;
+
+typedef struct haft_surface_spec {
+    haft_psd psd;
+    double grid_step;  /**< fine grid [m], <= pi / zeta_max */
+    size_t rows;       /**< fine rows in a block (along the beam); a multiple of the lattice ratio */
+    size_t columns;    /**< fine columns (across the beam); a multiple of the lattice ratio */
+    double tolerance;  /**< energy the taper may take from the kernel, relative, 1e-9 to 0.1; 0 for
+                            1e-6 */
+    haft_random_key key;
+} haft_surface_spec;
+
+/** The number of fine steps in a lattice step for this PSD and grid, or 0 if the grid is too coarse
+ *  to carry the PSD's shortest wave. */
+size_t haft_surface_lattice_ratio(const haft_psd *psd, double grid_step);
+
+/** @return HAFT_ERROR_INPUT when the grid is coarser than pi / zeta_max or a size does not fit the
+ *  lattice; the message names the nearest step or size that does. Not thread-safe (FFTW planner). */
+haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface_spec *spec,
+                                     haft_error *error) HAFT_MUST_CHECK;
+void haft_surface_plan_destroy(haft_surface_plan **plan);
+
+/** Facts of a plan. Moments are those of the generated field itself (tapered, on its grid), exact
+ *  sums over the kernel's transform, to be compared with haft_psd_get_moments(). */
+typedef struct haft_surface_facts {
+    size_t lattice_ratio;
+    double reach;                 /**< the kernel's radius [m] */
+    double taper_loss;            /**< kernel energy taken by the taper, relative */
+    haft_psd_moments moments;     /**< of the generated field: spectral derivatives */
+    haft_psd_moments differences; /**< m2, m4 by central differences on the fine grid */
+    size_t work_bytes;            /**< what one haft_surface_work takes */
+    size_t halo_points;           /**< fine points transformed for a block, halo included */
+    double leak; /**< kernel energy smeared beyond the lattice's band, relative: by how much the
+                      variance may differ between fine points of a lattice cell */
+} haft_surface_facts;
+void haft_surface_get_facts(const haft_surface_plan *plan, haft_surface_facts *facts);
+
+/** Covariance E[z(x, y) z(x + i step, y + j step)] of the generated field [m^2], exact (the mean
+ *  over the fine points of a lattice cell, see haft_surface_facts.leak). Zero from twice the reach
+ *  on; NAN for shorter lags that exceed the block (rows or columns). Thread-safe. */
+double haft_surface_covariance(const haft_surface_plan *plan, long i, long j);
+
+/** Thread-safe (the FFTW plans are the plan's); the work is one thread's own and must not outlive
+ *  the plan. */
+haft_status haft_surface_work_create(haft_surface_work **out, const haft_surface_plan *plan,
+                                     haft_error *error) HAFT_MUST_CHECK;
+void haft_surface_work_destroy(haft_surface_work **work);
+
+/** Prepares the block whose first row is `first_row` of the surface numbered (realization, stream).
+ *  For a beam, stream is 0 and first_row moves along it; independent patches are blocks at row 0 of
+ *  their own stream. first_row must be a multiple of the lattice ratio (negative is allowed).
+ *  @return HAFT_ERROR_ARGUMENT for another first_row, one beyond 2^30, or a stream of 2^32 or more.
+ *  Thread-safe for distinct work. */
+haft_status haft_surface_prepare(haft_surface_work *work, uint64_t realization, uint64_t stream,
+                                 long first_row, haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes rows [row, row + n) of the prepared block: z[n][columns] in metres.
+ *  @return HAFT_ERROR_ARGUMENT for rows outside the block or a block not prepared. Thread-safe for
+ *  distinct work. */
+haft_status haft_surface_rows(haft_surface_work *work, size_t row, size_t n, double *z,
+                              haft_error *error) HAFT_MUST_CHECK;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The crack's tip in the beam's own shape. The beam is cubic in each piece between nodes and patch
+ * borders, so the tip is the first root of a cubic, found by bisection inside monotone stretches:
+ * exact to round-off and free of the cubic formula's cancellation. */
+#include "haft/beam.h"
+
+#include <math.h>
+
+static double node_value(const haft_model *model, const double *u, size_t node, int rotation) {
+    if (node == 0) {
+        return 0;
+    }
+    size_t i = 2 * (node - 1) + (size_t)rotation;
+    return model->scale[i] * u[i];
+}
+
+static size_t find_element(const haft_model *model, double x) {
+    size_t low = 0, high = model->nodes - 1;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (model->node_x[middle] <= x) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* Coefficients of w in powers of xi = (x - node) / length over element e. */
+static void element_cubic(const haft_model *model, const double *u, size_t e, double c[4]) {
+    double l = model->node_x[e + 1] - model->node_x[e];
+    double w0 = node_value(model, u, e, 0), w1 = node_value(model, u, e + 1, 0);
+    double s0 = l * node_value(model, u, e, 1), s1 = l * node_value(model, u, e + 1, 1);
+    c[0] = w0;
+    c[1] = s0;
+    c[2] = 3 * (w1 - w0) - 2 * s0 - s1;
+    c[3] = -2 * (w1 - w0) + s0 + s1;
+}
+
+static double cubic(const double c[4], double xi) {
+    return ((c[3] * xi + c[2]) * xi + c[1]) * xi + c[0];
+}
+
+void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
+                      double *rotation) {
+    size_t e = find_element(model, x);
+    double l = model->node_x[e + 1] - model->node_x[e];
+    double xi = (x - model->node_x[e]) / l;
+    double c[4];
+    element_cubic(model, u, e, c);
+    *deflection = cubic(c, xi);
+    *rotation = ((3 * c[3] * xi + 2 * c[2]) * xi + c[1]) / l;
+}
+
+static double bisect(const double c[4], double level, double a, double b) {
+    for (int i = 0; i < 200; i++) {
+        double middle = 0.5 * (a + b);
+        if (middle <= a || middle >= b) {
+            break;
+        }
+        if (cubic(c, middle) >= level) {
+            b = middle;
+        } else {
+            a = middle;
+        }
+    }
+    return b;
+}
+
+/* First xi in [a, b] with w(xi) >= level, or NaN. */
+static double first_reach(const double c[4], double level, double a, double b) {
+    if (cubic(c, a) >= level) {
+        return a;
+    }
+    double stop[4] = {a, b, b, b};
+    int stops = 1;
+    double p = 2 * c[2], q = p * p - 12 * c[3] * c[1];
+    if (q > 0) {
+        double t = -0.5 * (p + copysign(sqrt(q), p));
+        double r1 = t / (3 * c[3]), r2 = t == 0 ? NAN : c[1] / t;
+        double low = fmin(r1, r2), high = fmax(r1, r2);
+        if (low > a && low < b) {
+            stop[stops++] = low;
+        }
+        if (high > a && high < b && high > low) {
+            stop[stops++] = high;
+        }
+    }
+    stop[stops] = b;
+    for (int i = 0; i < stops; i++) {
+        if (cubic(c, stop[i + 1]) >= level) {
+            return bisect(c, level, stop[i], stop[i + 1]);
+        }
+    }
+    return NAN;
+}
+
+double haft_model_crack_length(const haft_model *model, const haft_law *laws, const double *u,
+                               double share) {
+    double end = model->nodes > 0 ? model->node_x[model->nodes - 1] : 0;
+    double left = 0;
+    size_t e = 0;
+    for (size_t r = 0; r < model->sites && model->nodes > 0; r++) {
+        double right = r + 1 < model->sites ? 0.5 * (model->site[r].x + model->site[r + 1].x) : end;
+        double level = model->gap - haft_law_reach(&laws[r], share);
+        while (left < right) {
+            while (e + 2 < model->nodes && model->node_x[e + 1] <= left) {
+                e++;
+            }
+            double x0 = model->node_x[e], l = model->node_x[e + 1] - x0;
+            double stop = fmin(right, model->node_x[e + 1]);
+            double c[4];
+            element_cubic(model, u, e, c);
+            double xi = first_reach(c, level, (left - x0) / l, fmin(1, (stop - x0) / l));
+            if (!isnan(xi)) {
+                return x0 + xi * l;
+            }
+            left = stop;
+        }
+    }
+    return end;
+}

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Meshing a cantilever: nodes, Hermite elements, one contact site in the middle of each patch.
+ * An element's strain energy is written in its two deformation modes, the end rotations relative to
+ * the chord: q1 = rotation_1 - chord, q2 = rotation_2 - chord, energy (2EI/l)(q1^2+q1 q2+q2^2). */
+#include "haft/beam.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Positions closer than this share of the beam's length are the same node. */
+#define NODE_TOLERANCE 1e-9
+
+static haft_status count_divisions(double length, double part, const char *key, size_t *count,
+                                   haft_error *error) {
+    double ratio = length / part;
+    double whole = round(ratio);
+    if (!(part > 0) || !(length > 0) || !isfinite(ratio) || whole < 1 || whole > 1e7) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "%s = %g m does not fit a beam of %g m", key,
+                              part, length);
+    }
+    if (fabs(ratio - whole) > 1e-9 * whole) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s = %g m does not divide the length of %g m; the nearest that does "
+                              "is %.9g m",
+                              key, part, length, length / whole);
+    }
+    *count = (size_t)whole;
+    return HAFT_OK;
+}
+
+/* Merges one more position into a sorted list, unless it is there. */
+static size_t insert_node(double *x, size_t n, double position, double tolerance) {
+    size_t i = 0;
+    while (i < n && x[i] < position - tolerance) {
+        i++;
+    }
+    if (i < n && fabs(x[i] - position) <= tolerance) {
+        return n;
+    }
+    memmove(x + i + 1, x + i, (n - i) * sizeof *x);
+    x[i] = position;
+    return n + 1;
+}
+
+static double site_position(double length, size_t sites, size_t r) {
+    return length * ((double)r + 0.5) / (double)sites;
+}
+
+static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec *beam,
+                               const haft_mesh_spec *mesh, size_t sites, haft_error *error) {
+    size_t elements = 0;
+    if (mesh->kind == HAFT_MESH_UNIFORM) {
+        haft_status status =
+            count_divisions(beam->length, mesh->element_length, "element_length", &elements, error);
+        if (status != HAFT_OK) {
+            return status;
+        }
+    }
+    double *x = haft_memory_alloc(elements + sites + 3, sizeof *x, error);
+    if (x == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    size_t n = 0;
+    if (mesh->kind == HAFT_MESH_UNIFORM) {
+        for (size_t i = 0; i <= elements; i++) {
+            x[n++] = beam->length * (double)i / (double)elements;
+        }
+    } else {
+        x[n++] = 0;
+        for (size_t r = 0; r < sites; r++) {
+            x[n++] = site_position(beam->length, sites, r);
+        }
+        x[n++] = beam->length;
+        n = insert_node(x, n, mesh->load_position, NODE_TOLERANCE * beam->length);
+    }
+    *out = x;
+    *count = n;
+    return HAFT_OK;
+}
+
+/* Element that holds x, the later one at a node; its local coordinate in [0, 1]. */
+static size_t find_element(const double *node_x, size_t nodes, double x, double *xi) {
+    size_t low = 0, high = nodes - 1;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (node_x[middle] <= x) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    *xi = (x - node_x[low]) / (node_x[low + 1] - node_x[low]);
+    return low;
+}
+
+static int node_dof(size_t node, int rotation) {
+    return node == 0 ? -1 : (int)(2 * (node - 1)) + rotation;
+}
+
+static void element_dofs(size_t e, int dof[HAFT_SPAN]) {
+    for (int k = 0; k < HAFT_SPAN; k++) {
+        dof[k] = node_dof(e + (size_t)(k / 2), k % 2);
+    }
+}
+
+/* A point of the beam as a row on its element's unknowns, in metres a unit of each. */
+static haft_site make_point(const double *node_x, size_t nodes, const double *node_scale, double x,
+                            double gap) {
+    haft_site site = {.x = x};
+    double xi;
+    size_t e = find_element(node_x, nodes, x, &xi);
+    double l = node_x[e + 1] - node_x[e];
+    element_dofs(e, site.dof);
+    double xi2 = xi * xi, xi3 = xi2 * xi;
+    site.shape[0] = gap * (1 - 3 * xi2 + 2 * xi3);
+    site.shape[1] = node_scale[e] * l * (xi - 2 * xi2 + xi3);
+    site.shape[2] = gap * (3 * xi2 - 2 * xi3);
+    site.shape[3] = node_scale[e + 1] * l * (xi3 - xi2);
+    return site;
+}
+
+static haft_element make_element(const double *node_x, const double *node_length, size_t e,
+                                 double beam_length) {
+    haft_element element = {0};
+    element_dofs(e, element.dof);
+    double l = node_x[e + 1] - node_x[e];
+    double s1 = l / node_length[e], s2 = l / node_length[e + 1];
+    double mode[2][HAFT_SPAN] = {{1, s1, -1, 0}, {1, 0, -1, s2}};
+    memcpy(element.mode, mode, sizeof mode);
+    double slender = beam_length / l;
+    double unit = slender * slender * slender;
+    element.stiffness[0] = 4 * unit;
+    element.stiffness[1] = 2 * unit;
+    element.stiffness[2] = 4 * unit;
+    double m = l / (420 * beam_length);
+    double mass[10] = {156 * m,     22 * m * s1,      54 * m,  -13 * m * s2, 4 * m * s1 * s1,
+                       13 * m * s1, -3 * m * s1 * s2, 156 * m, -22 * m * s2, 4 * m * s2 * s2};
+    memcpy(element.mass, mass, sizeof mass);
+    return element;
+}
+
+/* The arrays a mesh is put together from, freed together. */
+typedef struct beam_parts {
+    double *x, *node_length, *node_scale, *scale;
+    haft_element *element;
+    haft_site *site;
+} beam_parts;
+
+static void free_parts(beam_parts *parts) {
+    haft_memory_free(parts->x);
+    haft_memory_free(parts->node_length);
+    haft_memory_free(parts->node_scale);
+    haft_memory_free(parts->scale);
+    haft_memory_free(parts->element);
+    haft_memory_free(parts->site);
+}
+
+static haft_status allocate_parts(beam_parts *parts, size_t nodes, size_t sites,
+                                  haft_error *error) {
+    parts->node_length = haft_memory_alloc(nodes, sizeof(double), error);
+    parts->node_scale = haft_memory_alloc(nodes, sizeof(double), error);
+    parts->scale = haft_memory_alloc(2 * nodes, sizeof(double), error);
+    parts->element = haft_memory_alloc(nodes, sizeof(haft_element), error);
+    parts->site = haft_memory_alloc(sites, sizeof(haft_site), error);
+    bool all =
+        parts->node_length && parts->node_scale && parts->scale && parts->element && parts->site;
+    return all ? HAFT_OK : HAFT_ERROR_MEMORY;
+}
+
+static void scale_nodes(beam_parts *parts, size_t nodes, double gap) {
+    for (size_t i = 0; i < nodes; i++) {
+        double before = i == 0 ? 0 : parts->x[i] - parts->x[i - 1];
+        double after = i + 1 == nodes ? 0 : parts->x[i + 1] - parts->x[i];
+        double own = before > 0 && after > 0 ? 0.5 * (before + after) : before + after;
+        parts->node_length[i] = own;
+        parts->node_scale[i] = gap / own;
+        if (i > 0) {
+            parts->scale[2 * (i - 1)] = gap;
+            parts->scale[2 * (i - 1) + 1] = gap / own;
+        }
+    }
+}
+
+static haft_status build(haft_model **out, const haft_beam_spec *beam, const haft_mesh_spec *mesh,
+                         size_t sites, size_t nodes, beam_parts *parts, haft_error *error) {
+    haft_status status = allocate_parts(parts, nodes, sites, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    scale_nodes(parts, nodes, beam->gap);
+    for (size_t e = 0; e + 1 < nodes; e++) {
+        parts->element[e] = make_element(parts->x, parts->node_length, e, beam->length);
+    }
+    for (size_t r = 0; r < sites; r++) {
+        double x = site_position(beam->length, sites, r);
+        parts->site[r] = make_point(parts->x, nodes, parts->node_scale, x, beam->gap);
+        parts->site[r].area = beam->width * beam->length / (double)sites;
+    }
+    double l = beam->length;
+    haft_model_parts assembled = {
+        .dofs = 2 * (nodes - 1),
+        .scale = parts->scale,
+        .energy_unit = haft_beam_bending_stiffness(beam) * beam->gap * beam->gap / (l * l * l),
+        .gap = beam->gap,
+        .elements = nodes - 1,
+        .element = parts->element,
+        .sites = sites,
+        .site = parts->site,
+        .load = make_point(parts->x, nodes, parts->node_scale, mesh->load_position, beam->gap),
+    };
+    status = haft_model_create(out, &assembled, error);
+    if (status == HAFT_OK) {
+        (*out)->nodes = nodes;
+        (*out)->node_x = parts->x;
+        parts->x = NULL;
+    }
+    return status;
+}
+
+haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
+                                   const haft_mesh_spec *mesh, haft_error *error) {
+    *out = NULL;
+    bool positive = beam->length > 0 && beam->width > 0 && beam->thickness > 0 && beam->gap > 0 &&
+                    beam->young_modulus > 0;
+    if (!positive || !isfinite(haft_beam_bending_stiffness(beam) * beam->gap * beam->length)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "a beam's length, width, thickness, gap and modulus must be positive "
+                              "and finite");
+    }
+    if (!(mesh->load_position > 0 && mesh->load_position <= beam->length)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "the load at %g m is off the beam; it must lie in (0, %g m]",
+                              mesh->load_position, beam->length);
+    }
+    size_t sites = 0, nodes = 0;
+    haft_status status = count_divisions(beam->length, mesh->l_meso, "l_meso", &sites, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    beam_parts parts = {0};
+    status = place_nodes(&parts.x, &nodes, beam, mesh, sites, error);
+    if (status == HAFT_OK) {
+        status = build(out, beam, mesh, sites, nodes, &parts, error);
+    }
+    free_parts(&parts);
+    return status;
+}

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One step along a stable branch.
+ *
+ * Prediction by the branch's first two derivatives, correction by KINSOL at the new value of the
+ * control, certification by the pivots of H alone, and a ledger: the energy gained must equal the
+ * work of the load, integrated from both ends' derivatives (quintic, error O(dtau^7)). The ledger
+ * bounds the step's size, and a step that hopped to another branch shows in it as energy missing.
+ */
+#include "tracker.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What the corrector may move a gap by, in the lengths over which its force changes. */
+#define CORRECTION_LIMIT 0.05
+
+/* Side step, in ranges, at which a law's curvature is read beside a kink. */
+#define KINK_OFFSET 1e-7
+
+haft_inertia haft_branch_certify(haft_tracker *t) {
+    t->cost.factorizations++;
+    if (!haft_factor_update(t->factor, t->hessian)) {
+        return (haft_inertia){-1, 0};
+    }
+    memset(t->solution, 0, t->n * sizeof *t->solution);
+    haft_tracker_add_row(t, &t->model->load, 1, t->solution);
+    haft_factor_solve(t->factor, t->solution, 1);
+    return haft_factor_inertia(t->factor);
+}
+
+/* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with the control's own second derivative nil. */
+static void second_derivatives(haft_tracker *t, const haft_state *state, haft_control control,
+                               int side, double rate, haft_branch *out) {
+    double gap = t->model->gap;
+    memset(out->u2, 0, t->n * sizeof *out->u2);
+    for (size_t r = 0; r < t->model->sites; r++) {
+        const haft_site *site = &t->model->site[r];
+        double motion = haft_model_displacement(site, out->u1);
+        double d = gap - haft_model_displacement(site, state->u);
+        d -= copysign(KINK_OFFSET * t->range[r], motion * side);
+        double curvature = haft_law_evaluate(&t->laws[r], d).curvature;
+        if (curvature != 0) {
+            double weight = site->area / t->model->energy_unit;
+            haft_tracker_add_row(t, site, -weight * curvature * motion * motion * gap, out->u2);
+        }
+    }
+    haft_factor_solve(t->factor, out->u2, 1);
+    out->load2 = 0;
+    if (control.site != NULL) {
+        out->load2 = -haft_tracker_row(t, control.site, out->u2) / rate;
+        for (size_t i = 0; i < t->n; i++) {
+            out->u2[i] += out->load2 * t->solution[i];
+        }
+    }
+}
+
+void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_control control, int side,
+                        haft_branch *out) {
+    double rate = control.site == NULL ? 1 : haft_tracker_row(t, control.site, t->solution);
+    for (size_t i = 0; i < t->n; i++) {
+        out->u1[i] = t->solution[i] / rate;
+    }
+    out->load1 = 1 / rate;
+    second_derivatives(t, state, control, side, rate, out);
+}
+
+double haft_branch_rebase(const haft_tracker *t, haft_control control, haft_branch *branch) {
+    bool by_load = control.site == NULL;
+    double a = by_load ? branch->load1 : haft_tracker_row(t, control.site, branch->u1);
+    double b = by_load ? branch->load2 : haft_tracker_row(t, control.site, branch->u2);
+    for (size_t i = 0; i < t->n; i++) {
+        branch->u2[i] = (branch->u2[i] - branch->u1[i] * (b / a)) / (a * a);
+        branch->u1[i] /= a;
+    }
+    branch->load2 = (branch->load2 - branch->load1 * (b / a)) / (a * a);
+    branch->load1 /= a;
+    return a;
+}
+
+/* Value, first and second derivative at both ends of an interval of length h. */
+typedef struct quintic {
+    double c[6]; /* powers of s = (tau - tau0) / h */
+} quintic;
+
+static quintic interpolate(double h, double p0, double v0, double a0, double p1, double v1,
+                           double a1) {
+    double d = p1 - p0;
+    v0 *= h, v1 *= h, a0 *= 0.5 * h * h, a1 *= 0.5 * h * h;
+    return (quintic){{p0, v0, a0, 10 * d - 6 * v0 - 4 * v1 - 3 * a0 + a1,
+                      -15 * d + 8 * v0 + 7 * v1 + 3 * a0 - 2 * a1,
+                      6 * d - 3 * v0 - 3 * v1 - a0 + a1}};
+}
+
+double haft_branch_work(const haft_tracker *t, double dtau) {
+    const haft_site *load = &t->model->load;
+    quintic p = interpolate(dtau, t->here.load, t->start.load1, t->start.load2, t->next.load,
+                            t->end.load1, t->end.load2);
+    quintic w = interpolate(
+        dtau, haft_tracker_row(t, load, t->here.u), haft_tracker_row(t, load, t->start.u1),
+        haft_tracker_row(t, load, t->start.u2), haft_tracker_row(t, load, t->next.u),
+        haft_tracker_row(t, load, t->end.u1), haft_tracker_row(t, load, t->end.u2));
+    double work = 0;
+    for (int i = 0; i < 6; i++) {
+        for (int j = 1; j < 6; j++) {
+            work += p.c[i] * w.c[j] * j / (i + j);
+        }
+    }
+    return work * t->model->energy_unit;
+}
+
+double haft_branch_least_eigenvalue(haft_tracker *t) {
+    double *x = t->mode, *y = t->scratch[0], lambda = 0;
+    const haft_model *m = t->model;
+    for (int sweep = 0; sweep < 3; sweep++) {
+        memset(y, 0, t->n * sizeof *y);
+        for (size_t j = 0; j < t->n; j++) {
+            for (int k = m->column[j]; k < m->column[j + 1]; k++) {
+                y[m->row[k]] += m->mass[k] * x[j];
+            }
+        }
+        double before = 0, after = 0;
+        for (size_t i = 0; i < t->n; i++) {
+            before += x[i] * y[i];
+        }
+        memcpy(t->scratch[1], y, t->n * sizeof *y);
+        haft_factor_solve(t->factor, y, 1);
+        for (size_t i = 0; i < t->n; i++) {
+            after += y[i] * t->scratch[1][i];
+        }
+        lambda = before / after; /* x'Mx / x'M H^-1 M x, x the last iterate */
+        double norm = sqrt(fabs(after));
+        if (!(norm > 0) || !isfinite(norm)) {
+            return 0;
+        }
+        for (size_t i = 0; i < t->n; i++) {
+            x[i] = y[i] / norm;
+        }
+    }
+    return lambda;
+}
+
+static void predict(haft_tracker *t, double dtau) {
+    for (size_t i = 0; i < t->n; i++) {
+        t->next.u[i] = t->here.u[i] + dtau * (t->start.u1[i] + 0.5 * dtau * t->start.u2[i]);
+    }
+    t->next.load = t->here.load + dtau * (t->start.load1 + 0.5 * dtau * t->start.load2);
+}
+
+static double total(haft_energy e) {
+    return e.strain + e.contact;
+}
+
+/* Rounding in the difference of two energies: a few units in the last place of their parts. */
+static double energy_rounding(const haft_tracker *t) {
+    double size = fabs(t->here.energy.strain) + fabs(t->here.energy.contact) +
+                  fabs(t->next.energy.strain) + fabs(t->next.energy.contact);
+    return 0x1p-47 * size;
+}
+
+void haft_branch_book(haft_tracker *t, haft_step *step) {
+    step->work = haft_branch_work(t, step->dtau);
+    step->defect = total(t->next.energy) - total(t->here.energy) - step->work;
+    step->allowed = t->options.ledger_tolerance * fabs(step->work) + energy_rounding(t);
+}
+
+haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction) {
+    predict(t, step->dtau);
+    memcpy(t->scratch[2], t->next.u, t->n * sizeof(double));
+    double value = haft_control_value(t, step->control, &t->here) + step->dtau;
+    step->moved = INFINITY;
+    step->defect = INFINITY;
+    step->allowed = 0;
+    if (!haft_corrector_solve(t, step->control, value, &t->next)) {
+        return HAFT_STEP_REJECTED;
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        t->scratch[2][i] = t->next.u[i] - t->scratch[2][i];
+    }
+    step->moved = haft_tracker_move(t, t->next.u, t->scratch[2], NULL);
+    if (!(step->moved <= CORRECTION_LIMIT)) {
+        return HAFT_STEP_REJECTED;
+    }
+    step->inertia = haft_branch_certify(t);
+    if (step->inertia.negative < 0) {
+        return HAFT_STEP_REJECTED;
+    }
+    haft_branch_derive(t, &t->next, step->control, -step->sign, &t->end);
+    haft_branch_book(t, step);
+    bool turned = t->end.load1 * step->sign * direction <= 0;
+    if (step->inertia.negative > 0) {
+        return turned && step->inertia.negative == 1 ? HAFT_STEP_FOLD : HAFT_STEP_UNSTABLE;
+    }
+    return fabs(step->defect) <= step->allowed && !turned ? HAFT_STEP_TAKEN : HAFT_STEP_REJECTED;
+}

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The corrector: KINSOL's full Newton on u and P together,
+ *
+ *     grad Pi(u, P) = 0,    tau(u, P) - value = 0,
+ *
+ * with a linear solver of our own: SUNDIALS' KLU module analyses the pattern anew in each KINSol
+ * call, pivots where symmetry should be kept, and knows no border. Ours adds kappa c c' (c the
+ * control's row) to H, which changes nothing where the constraint holds but keeps the matrix
+ * definite through a simple fold, and eliminates the border with two solves. */
+#include "tracker.h"
+
+#include <kinsol/kinsol.h>
+#include <math.h>
+#include <nvector/nvector_serial.h>
+#include <string.h>
+#include <sundials/sundials_config.h>
+#include <sunlinsol/sunlinsol_klu.h>
+#include <sunmatrix/sunmatrix_sparse.h>
+
+enum { NEWTON_LIMIT = 8 };
+
+struct haft_corrector {
+    haft_tracker *tracker;
+    haft_control control;
+    double value;
+    double kappa;
+    bool finite;
+    haft_energy energy;
+    SUNContext context;
+    N_Vector y, y_scale, f_scale;
+    SUNMatrix matrix;
+    SUNLinearSolver solver;
+    void *kinsol;
+};
+
+static int residual(N_Vector y, N_Vector f, void *user) {
+    haft_corrector *c = user;
+    haft_tracker *t = c->tracker;
+    const double *u = N_VGetArrayPointer(y);
+    double *out = N_VGetArrayPointer(f);
+    double load = u[t->n];
+    c->finite = isfinite(load) && haft_tracker_evaluate(t, u, load, &c->energy, NULL);
+    if (!c->finite) {
+        return 1;
+    }
+    memcpy(out, t->gradient, t->n * sizeof *out);
+    out[t->n] =
+        (c->control.site == NULL ? load : haft_tracker_row(t, c->control.site, u)) - c->value;
+    return 0;
+}
+
+/* The residual was evaluated at the same y just before: its Hessian is at hand. */
+static int jacobian(N_Vector y, N_Vector f, SUNMatrix matrix, void *user, N_Vector a, N_Vector b) {
+    (void)y, (void)f, (void)a, (void)b;
+    const haft_tracker *t = ((const haft_corrector *)user)->tracker;
+    for (size_t j = 0; j <= t->n; j++) {
+        SM_INDEXPTRS_S(matrix)[j] = t->model->column[j];
+    }
+    for (size_t k = 0; k < t->model->nonzeros; k++) {
+        SM_INDEXVALS_S(matrix)[k] = t->model->row[k];
+    }
+    memcpy(SM_DATA_S(matrix), t->hessian, t->model->nonzeros * sizeof(double));
+    return 0;
+}
+
+static SUNLinearSolver_Type solver_type(SUNLinearSolver solver) {
+    (void)solver;
+    return SUNLINEARSOLVER_DIRECT;
+}
+
+static int solver_initialize(SUNLinearSolver solver) {
+    (void)solver;
+    return 0;
+}
+
+static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
+    haft_corrector *c = solver->content;
+    haft_tracker *t = c->tracker;
+    memcpy(t->matrix, SM_DATA_S(matrix), t->model->nonzeros * sizeof(double));
+    if (c->control.site != NULL) {
+        const int *slot = t->model->site_slot + c->control.index * HAFT_SPAN * HAFT_SPAN;
+        const double *shape = c->control.site->shape;
+        double factor = c->kappa / (t->model->gap * t->model->gap);
+        for (int i = 0; i < HAFT_SPAN; i++) {
+            for (int j = 0; j < HAFT_SPAN; j++) {
+                if (slot[i * HAFT_SPAN + j] >= 0) {
+                    t->matrix[slot[i * HAFT_SPAN + j]] += factor * shape[i] * shape[j];
+                }
+            }
+        }
+    }
+    t->cost.factorizations++;
+    return haft_factor_update(t->factor, t->matrix) ? 0 : 1;
+}
+
+static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b,
+                        sunrealtype tolerance) {
+    (void)matrix, (void)tolerance;
+    haft_corrector *c = solver->content;
+    haft_tracker *t = c->tracker;
+    const double *rhs = N_VGetArrayPointer(b);
+    double *out = N_VGetArrayPointer(x);
+    double *y = t->scratch[0], s = rhs[t->n];
+    memcpy(y, rhs, t->n * sizeof *y);
+    if (c->control.site == NULL) {
+        haft_tracker_add_row(t, &t->model->load, s, y);
+        haft_factor_solve(t->factor, y, 1);
+        memcpy(out, y, t->n * sizeof *out);
+        out[t->n] = s;
+        return 0;
+    }
+    double *z = t->scratch[1];
+    memset(z, 0, t->n * sizeof *z);
+    haft_tracker_add_row(t, c->control.site, c->kappa * s, y);
+    haft_tracker_add_row(t, &t->model->load, 1, z);
+    haft_factor_solve(t->factor, y, 1);
+    haft_factor_solve(t->factor, z, 1);
+    double d_load =
+        (s - haft_tracker_row(t, c->control.site, y)) / haft_tracker_row(t, c->control.site, z);
+    if (!isfinite(d_load)) {
+        return 1;
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        out[i] = y[i] + d_load * z[i];
+    }
+    out[t->n] = d_load;
+    return 0;
+}
+
+static int solver_free(SUNLinearSolver solver) {
+    solver->content = NULL;
+    SUNLinSolFreeEmpty(solver);
+    return 0;
+}
+
+#if SUNDIALS_VERSION_MAJOR >= 7
+static void stay_silent(int line, const char *function, const char *file, const char *message,
+                        SUNErrCode code, void *data, SUNContext context) {
+    (void)line, (void)function, (void)file, (void)message, (void)code, (void)data, (void)context;
+}
+#else
+static void stay_silent(int code, const char *module, const char *function, char *message,
+                        void *data) {
+    (void)code, (void)module, (void)function, (void)message, (void)data;
+}
+#endif
+
+static bool make_context(haft_corrector *c) {
+#if SUNDIALS_VERSION_MAJOR >= 7
+    if (SUNContext_Create(SUN_COMM_NULL, &c->context) != 0) {
+        return false;
+    }
+    SUNContext_ClearErrHandlers(c->context);
+    return SUNContext_PushErrHandler(c->context, stay_silent, NULL) == 0;
+#else
+    return SUNContext_Create(NULL, &c->context) == 0;
+#endif
+}
+
+static bool make_vectors(haft_corrector *c) {
+    sunindextype n = (sunindextype)c->tracker->n,
+                 nonzeros = (sunindextype)c->tracker->model->nonzeros;
+    c->y = N_VNew_Serial(n + 1, c->context);
+    c->y_scale = N_VNew_Serial(n + 1, c->context);
+    c->f_scale = N_VNew_Serial(n + 1, c->context);
+    c->matrix = SUNSparseMatrix(n, n, nonzeros, CSC_MAT, c->context);
+    c->solver = SUNLinSolNewEmpty(c->context);
+    c->kinsol = KINCreate(c->context);
+    if (!c->y || !c->y_scale || !c->f_scale || !c->matrix || !c->solver || !c->kinsol) {
+        return false;
+    }
+    N_VConst(1.0, c->y_scale);
+    c->solver->content = c;
+    c->solver->ops->gettype = solver_type;
+    c->solver->ops->initialize = solver_initialize;
+    c->solver->ops->setup = solver_setup;
+    c->solver->ops->solve = solver_solve;
+    c->solver->ops->free = solver_free;
+    return true;
+}
+
+static bool set_up_kinsol(haft_corrector *c) {
+    bool ok = KINInit(c->kinsol, residual, c->y) == KIN_SUCCESS;
+#if SUNDIALS_VERSION_MAJOR < 7
+    ok = ok && KINSetErrHandlerFn(c->kinsol, stay_silent, NULL) == KIN_SUCCESS;
+#endif
+    return ok && KINSetUserData(c->kinsol, c) == KIN_SUCCESS &&
+           KINSetLinearSolver(c->kinsol, c->solver, c->matrix) == KIN_SUCCESS &&
+           KINSetJacFn(c->kinsol, jacobian) == KIN_SUCCESS &&
+           KINSetMaxSetupCalls(c->kinsol, 1) == KIN_SUCCESS &&
+           KINSetNumMaxIters(c->kinsol, NEWTON_LIMIT) == KIN_SUCCESS &&
+           KINSetScaledStepTol(c->kinsol, 1e-16) == KIN_SUCCESS &&
+           KINSetMaxNewtonStep(c->kinsol, 1e12) == KIN_SUCCESS;
+}
+
+haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_error *error) {
+    *out = NULL;
+    haft_corrector *c = haft_memory_alloc(1, sizeof *c, error);
+    if (c == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    c->tracker = t;
+    if (!make_context(c) || !make_vectors(c) || !set_up_kinsol(c)) {
+        haft_corrector_destroy(&c);
+        return haft_error_set(error, HAFT_ERROR_LIBRARY, "KINSOL cannot be set up");
+    }
+    *out = c;
+    return HAFT_OK;
+}
+
+void haft_corrector_destroy(haft_corrector **corrector) {
+    if (corrector == NULL || *corrector == NULL) {
+        return;
+    }
+    haft_corrector *c = *corrector;
+    if (c->kinsol != NULL) {
+        KINFree(&c->kinsol);
+    }
+    if (c->solver != NULL) {
+        if (c->solver->ops->free == NULL) {
+            SUNLinSolFreeEmpty(c->solver);
+        } else {
+            SUNLinSolFree(c->solver);
+        }
+    }
+    if (c->matrix != NULL) {
+        SUNMatDestroy(c->matrix);
+    }
+    N_VDestroy(c->y);
+    N_VDestroy(c->y_scale);
+    N_VDestroy(c->f_scale);
+    if (c->context != NULL) {
+        SUNContext_Free(&c->context);
+    }
+    haft_memory_free(c);
+    *corrector = NULL;
+}
+
+/* What rounding of u alone makes of K u: no residual can be asked below it. */
+static double rounding_floor(const haft_tracker *t, const double *u) {
+    double largest = 0;
+    double *sum = t->scratch[0];
+    memset(sum, 0, t->n * sizeof *sum);
+    for (size_t j = 0; j < t->n; j++) {
+        for (int k = t->model->column[j]; k < t->model->column[j + 1]; k++) {
+            sum[t->model->row[k]] += fabs(t->model->stiffness[k] * u[j]);
+        }
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        largest = fmax(largest, sum[i]);
+    }
+    return 4 * 0x1p-52 * largest;
+}
+
+/* A stiffness at the control that outweighs any softening of its own law. */
+static double border_stiffness(const haft_tracker *t, haft_control control) {
+    if (control.site == NULL) {
+        return 0;
+    }
+    const haft_law *law = &t->laws[control.index];
+    double slope = 4 * law->f_max / t->range[control.index];
+    double gap = t->model->gap;
+    return 1 + slope * control.site->area * gap * gap / t->model->energy_unit;
+}
+
+bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, haft_state *state) {
+    haft_corrector *c = t->corrector;
+    c->control = control;
+    c->value = value;
+    c->kappa = border_stiffness(t, control);
+    double *y = N_VGetArrayPointer(c->y);
+    memcpy(y, state->u, t->n * sizeof *y);
+    y[t->n] = state->load;
+    double force = 0;
+    if (!haft_tracker_evaluate(t, y, state->load, NULL, &force)) {
+        c->finite = false;
+        return false;
+    }
+    force = fmax(force, fabs(state->load));
+    double floor_force = rounding_floor(t, y);
+    double tolerance = fmax(t->options.residual_tolerance, force > 0 ? floor_force / force : 0);
+    N_VConst(force > 0 ? 1 / force : 1, c->f_scale);
+    double control_length =
+        control.site == NULL ? fmax(fabs(value), 1) : t->range[control.index] / t->model->gap;
+    N_VGetArrayPointer(c->f_scale)[t->n] = 1 / control_length;
+    if (KINSetFuncNormTol(c->kinsol, tolerance) != KIN_SUCCESS) {
+        return false;
+    }
+    int flag = KINSol(c->kinsol, c->y, KIN_NONE, c->y_scale, c->f_scale);
+    long iterations = 0;
+    KINGetNumNonlinSolvIters(c->kinsol, &iterations);
+    t->cost.newton_iterations += (size_t)iterations;
+    if (flag != KIN_SUCCESS && flag != KIN_INITIAL_GUESS_OK) {
+        return false;
+    }
+    memcpy(state->u, y, t->n * sizeof *y);
+    state->load = y[t->n];
+    return haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
+}

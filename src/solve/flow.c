@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Landing a jump: at the load of the fold, overdamped motion M u' = -grad Pi carries the structure
+ * down its energy to rest.
+ *
+ * Integrated by RODAS3, a Rosenbrock method of order 3(2), L-stable, with one factorization a step
+ * (Sandu et al. 1997), M/(gamma dt) + H positive definite at every step and the energy falling over
+ * it. The step size follows the embedded error, measured where it matters: in the gaps, by the
+ * lengths over which the forces change. Once the state is stable and Newton's step to equilibrium
+ * is small by that measure, KINSOL finishes. */
+#include "tracker.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FLOW_STEPS = 100000, STAGES = 4 };
+
+/* How far along the null vector the flow starts; how small Newton's step must be to finish; how
+ * small the flow's own step before that is tried. */
+#define DEPARTURE 0.01
+#define ARRIVAL 0.05
+#define SETTLING 0.2
+
+/* Bounds of a change of the step size, and its margin. */
+#define GROWTH 4.0
+#define SHRINKAGE 0.25
+#define MARGIN 0.8
+
+/* RODAS3 in the form that needs no products with H: stage i solves
+ * (M/(gamma dt) + H) k_i = -grad Pi(u + sum_j a_ij k_j) + M sum_j c_ij k_j / dt. */
+#define GAMMA 0.5
+static const double STAGE[STAGES][STAGES] = {{0}, {0}, {2}, {2, 0, 1}};
+static const double COUPLING[STAGES][STAGES] = {{0}, {4}, {1, -1}, {1, -1, -8.0 / 3}};
+static const bool NEW_STATE[STAGES] = {false, false, true, true};
+
+/* y += factor * M x */
+static void add_mass_product(const haft_tracker *t, double factor, const double *x, double *y) {
+    const haft_model *m = t->model;
+    for (size_t j = 0; j < t->n; j++) {
+        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
+            y[m->row[k]] += factor * m->mass[k] * x[j];
+        }
+    }
+}
+
+static double potential(const haft_tracker *t, const haft_state *state) {
+    return state->energy.strain + state->energy.contact -
+           state->load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, state->u);
+}
+
+static bool factor_damped(haft_tracker *t, double dt) {
+    for (size_t k = 0; k < t->model->nonzeros; k++) {
+        t->matrix[k] = t->hessian[k] + t->model->mass[k] / (GAMMA * dt);
+    }
+    t->cost.factorizations++;
+    return haft_factor_update(t->factor, t->matrix) && haft_factor_inertia(t->factor).negative == 0;
+}
+
+/* One step from `from`, whose gradient and Hessian are at hand, into `to`; the stages' increments
+ * are left in t->stage. @return false if it must be shorter. */
+static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt) {
+    if (!factor_damped(t, dt)) {
+        return false;
+    }
+    double *sum = t->scratch[0];
+    for (int i = 0; i < STAGES; i++) {
+        if (NEW_STATE[i]) {
+            memcpy(to->u, from->u, t->n * sizeof(double));
+            for (int j = 0; j < i; j++) {
+                for (size_t k = 0; k < t->n && STAGE[i][j] != 0; k++) {
+                    to->u[k] += STAGE[i][j] * t->stage[j][k];
+                }
+            }
+            if (!haft_tracker_gradient(t, to->u, to->load)) {
+                return false;
+            }
+        }
+        memset(sum, 0, t->n * sizeof *sum);
+        for (int j = 0; j < i; j++) {
+            for (size_t k = 0; k < t->n; k++) {
+                sum[k] += COUPLING[i][j] * t->stage[j][k];
+            }
+        }
+        for (size_t k = 0; k < t->n; k++) {
+            t->stage[i][k] = -t->gradient[k];
+        }
+        add_mass_product(t, 1 / dt, sum, t->stage[i]);
+        haft_factor_solve(t->factor, t->stage[i], 1);
+    }
+    for (size_t k = 0; k < t->n; k++) { /* the last stage's state is the embedded result */
+        to->u[k] += t->stage[3][k];
+    }
+    return true;
+}
+
+/* Whether `state`, evaluated last, is stable and Newton would move it little. */
+static bool is_arriving(haft_tracker *t, const haft_state *state) {
+    if (haft_branch_certify(t).negative != 0) {
+        return false;
+    }
+    double *step = t->scratch[1];
+    for (size_t i = 0; i < t->n; i++) {
+        step[i] = -t->gradient[i];
+    }
+    haft_factor_solve(t->factor, step, 1);
+    return haft_tracker_move(t, state->u, step, NULL) < ARRIVAL;
+}
+
+/* Finishes by KINSOL from an arriving state; the result must be near it and stable. */
+static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *landed) {
+    memcpy(landed->u, flowing->u, t->n * sizeof(double));
+    landed->load = flowing->load;
+    haft_control load = {NULL, 0};
+    if (!haft_corrector_solve(t, load, flowing->load, landed)) {
+        return false;
+    }
+    double *moved = t->scratch[3];
+    for (size_t i = 0; i < t->n; i++) {
+        moved[i] = landed->u[i] - flowing->u[i];
+    }
+    if (haft_tracker_move(t, flowing->u, moved, NULL) > 2 * ARRIVAL) {
+        return false;
+    }
+    return haft_branch_certify(t).negative == 0;
+}
+
+/* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */
+static double departure_rate(haft_tracker *t, const double *v) {
+    double *mv = t->scratch[3], down = 0, weight = 0;
+    memset(mv, 0, t->n * sizeof *mv);
+    add_mass_product(t, 1, v, mv);
+    for (size_t i = 0; i < t->n; i++) {
+        down -= t->gradient[i] * v[i];
+        weight += v[i] * mv[i];
+    }
+    return down / weight;
+}
+
+/* Puts `from` a little off the fold; @return a first step size, or NaN if it cannot be evaluated.
+ */
+static double depart(haft_tracker *t, haft_state *from, const double *away) {
+    double *v = t->scratch[2];
+    double amplitude = DEPARTURE / haft_tracker_move(t, t->here.u, away, NULL);
+    for (size_t i = 0; i < t->n; i++) {
+        v[i] = amplitude * away[i];
+        from->u[i] = t->here.u[i] + v[i];
+    }
+    from->load = t->here.load;
+    if (!haft_tracker_evaluate(t, from->u, from->load, &from->energy, NULL)) {
+        return NAN;
+    }
+    double rate = departure_rate(t, v);
+    return rate > 0 ? 0.1 / rate : 1e-9;
+}
+
+static void swap(haft_state *a, haft_state *b) {
+    haft_state state = *a;
+    *a = *b;
+    *b = state;
+}
+
+/* Tries one step; on success `to` is evaluated and *move is how far the gaps went.
+ * @return the embedded error in lengths, INFINITY if the step failed. */
+static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt,
+                       double *move) {
+    if (!rosenbrock_step(t, from, to, dt)) {
+        return INFINITY;
+    }
+    double error = haft_tracker_move(t, from->u, t->stage[STAGES - 1], NULL);
+    double *moved = t->scratch[3];
+    for (size_t i = 0; i < t->n; i++) {
+        moved[i] = to->u[i] - from->u[i];
+    }
+    *move = haft_tracker_move(t, from->u, moved, NULL);
+    if (!haft_tracker_evaluate(t, to->u, to->load, &to->energy, NULL)) {
+        return INFINITY;
+    }
+    double before = potential(t, from);
+    return potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
+}
+
+haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
+    haft_state *from = &t->spare, *to = &t->next;
+    double dt = depart(t, from, away);
+    if (isnan(dt)) {
+        return HAFT_OUTCOME_NOT_FINITE;
+    }
+    to->load = from->load;
+    for (*steps = 0; *steps < FLOW_STEPS;) {
+        double move = 0;
+        double error = try_step(t, from, to, dt, &move);
+        double factor = MARGIN * cbrt(t->options.flow_step / fmax(error, 1e-30));
+        double before = dt;
+        dt *= fmin(GROWTH, fmax(SHRINKAGE, factor));
+        if (!(error <= t->options.flow_step)) {
+            dt = fmin(dt, 0.7 * before);
+            if (!(dt > 1e-40) || !haft_tracker_evaluate(t, from->u, from->load, NULL, NULL)) {
+                return HAFT_OUTCOME_FLOW_STALLED;
+            }
+            continue;
+        }
+        (*steps)++;
+        t->cost.flow_steps++;
+        swap(from, to);
+        if (move < SETTLING && is_arriving(t, from)) {
+            if (arrive(t, from, to)) {
+                memcpy(t->here.u, to->u, t->n * sizeof(double));
+                t->here.energy = to->energy;
+                return HAFT_OUTCOME_STUCK;
+            }
+            if (!haft_tracker_evaluate(t, from->u, from->load, NULL, NULL)) {
+                return HAFT_OUTCOME_NOT_FINITE;
+            }
+        }
+    }
+    return HAFT_OUTCOME_FLOW_STALLED;
+}

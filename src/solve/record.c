@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The record of a path. Memory grows by doubling, outside the loops that solve. */
+#include "record.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Doubles an array so that it holds at least `need` items. */
+static haft_status grow(void **array, size_t held, size_t *capacity, size_t need, size_t size,
+                        haft_error *error) {
+    if (need <= *capacity && *array != NULL) {
+        return HAFT_OK;
+    }
+    size_t next = need < 32 ? 64 : 2 * need;
+    void *bigger = haft_memory_alloc(next, size, error);
+    if (bigger == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    if (held > 0) {
+        memcpy(bigger, *array, held * size);
+    }
+    haft_memory_free(*array);
+    *array = bigger;
+    *capacity = next;
+    return HAFT_OK;
+}
+
+static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_error *error) {
+    size_t capacity = path->point_capacity;
+    void *array = path->point;
+    haft_status status =
+        grow(&array, path->points, &capacity, path->points + 1, sizeof *path->point, error);
+    path->point = array;
+    if (status == HAFT_OK && t->options.keep_states) {
+        size_t states = path->state == NULL ? 0 : path->point_capacity;
+        array = path->state;
+        status =
+            grow(&array, path->points, &states, path->points + 1, t->n * sizeof(double), error);
+        path->state = array;
+    }
+    if (status == HAFT_OK) {
+        path->point_capacity = capacity;
+    }
+    return status;
+}
+
+haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *ledger, int phase,
+                              int jump, haft_error *error) {
+    haft_status status = grow_points(path, t, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    double lambda = haft_branch_least_eigenvalue(t);
+    double gained = t->here.energy.strain + t->here.energy.contact - ledger->energy_start;
+    ledger->worst = fmax(ledger->worst, fabs(ledger->work - ledger->dissipated - gained));
+    path->point[path->points] = (haft_path_point){
+        .load = t->here.load * t->load_unit,
+        .deflection = haft_model_displacement(&t->model->load, t->here.u),
+        .crack_length =
+            haft_model_crack_length(t->model, t->laws, t->here.u, t->programme.crack_threshold),
+        .internal_energy = t->here.energy.strain,
+        .contact_energy = t->here.energy.contact,
+        .work = ledger->work,
+        .dissipated = ledger->dissipated,
+        .lambda_min = lambda,
+        .least_pivot = haft_factor_inertia(t->factor).least_pivot,
+        .phase = phase,
+        .jump = jump,
+    };
+    if (t->options.keep_states) {
+        memcpy(path->state + path->points * t->n, t->here.u, t->n * sizeof(double));
+    }
+    path->points++;
+    return HAFT_OK;
+}
+
+haft_status haft_record_jump(haft_path *path, const haft_jump *jump, haft_error *error) {
+    void *array = path->jump;
+    haft_status status =
+        grow(&array, path->jumps, &path->jump_capacity, path->jumps + 1, sizeof *path->jump, error);
+    path->jump = array;
+    if (status == HAFT_OK) {
+        path->jump[path->jumps++] = *jump;
+    }
+    return status;
+}
+
+haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledger *ledger,
+                               haft_error *error) {
+    path->final_state = haft_memory_alloc(t->n, sizeof(double), error);
+    if (path->final_state == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    memcpy(path->final_state, t->here.u, t->n * sizeof(double));
+    path->ledger_error = ledger->turnover > 0 ? ledger->worst / ledger->turnover : 0;
+    path->cost = t->cost;
+    return HAFT_OK;
+}
+
+void haft_path_destroy(haft_path **path) {
+    if (path == NULL || *path == NULL) {
+        return;
+    }
+    haft_memory_free((*path)->point);
+    haft_memory_free((*path)->jump);
+    haft_memory_free((*path)->state);
+    haft_memory_free((*path)->final_state);
+    haft_memory_free(*path);
+    *path = NULL;
+}
+
+const char *haft_outcome_name(haft_outcome outcome) {
+    static const char *const name[HAFT_OUTCOMES] = {"stuck",        "free",      "load limit",
+                                                    "step stalled", "fold lost", "flow stalled",
+                                                    "step limit",   "not finite"};
+    return (unsigned)outcome < HAFT_OUTCOMES ? name[outcome] : "unknown";
+}

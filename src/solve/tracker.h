@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What following a path needs at hand, private to the room: the workspace, states and their
+ * derivatives along the branch, and the four operations on them: correct, step, locate, land.
+ *
+ * A branch is followed by a control: the displacement of one site (a "local parameter"), or the
+ * load itself. With u and P as functions of the control's value tau, a fold is dP/dtau = 0, an
+ * ordinary point of the bordered system. Everything here is scaled: P in units of energy_unit /
+ * gap, tau in units of the gap (or of P). */
+#ifndef HAFT_SOLVE_TRACKER_H
+#define HAFT_SOLVE_TRACKER_H
+
+#include "factor.h"
+#include "haft/solve.h"
+
+/* An equilibrium, or a state on the way to one. */
+typedef struct haft_state {
+    double *u;
+    double load;
+    haft_energy energy; /* [J] */
+} haft_state;
+
+/* First and second derivatives of a branch by its control. */
+typedef struct haft_branch {
+    double *u1, *u2;
+    double load1, load2;
+} haft_branch;
+
+/* A control: a site's displacement, or (site NULL) the load. */
+typedef struct haft_control {
+    const haft_site *site;
+    size_t index; /* of the site */
+} haft_control;
+
+typedef struct haft_corrector haft_corrector;
+
+typedef struct haft_tracker {
+    const haft_model *model;
+    const haft_law *laws;
+    haft_path_options options;
+    haft_programme programme;
+    size_t n;
+    double load_unit;            /* energy_unit / gap [N] */
+    double *range, *reach, *far; /* of each site: law's range; felt within; nil beyond [m] */
+    haft_factor *factor;         /* of the Hessian last asked for */
+    haft_corrector *corrector;
+    double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
+    double *solution;                    /* n: H^-1 b at the state last certified */
+    double *mode;                        /* n: eigenvector estimate of the smallest eigenvalue */
+    double *scratch[4];                  /* n each */
+    double *stage[4];                    /* n each: the flow's stages */
+    double *gap_before, *gap_after;      /* sites each */
+    haft_state here, next, spare;        /* accepted, tried, and the flow's second */
+    haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
+    haft_branch rebased;    /* start, kept while another control is tried */
+    double *null;           /* n: null vector at a fold */
+    haft_path_cost cost;
+} haft_tracker;
+
+/* Makes a tracker and puts it at rest: u = 0, P = 0, certified. */
+haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, const haft_law *laws,
+                                const haft_programme *programme, const haft_path_options *options,
+                                haft_error *error);
+void haft_tracker_destroy(haft_tracker **tracker);
+
+/* Evaluates energy, gradient and Hessian at u under a scaled load into the tracker.
+ * @return false if anything is not finite. */
+bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
+                           double *force_scale);
+
+/* The gradient alone; the Hessian at hand stays. */
+bool haft_tracker_gradient(haft_tracker *t, const double *u, double load);
+
+/* The control's value in a state. */
+double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state);
+
+/* sum_k shape_k v_k / gap for a site, or for the load point. */
+double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v);
+
+/* Adds factor * row' of a site to v. */
+void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
+
+/* The length over which a site's force changes at gap d, longer the farther it is out of reach. */
+double haft_tracker_length(const haft_tracker *t, size_t site, double d);
+
+/* Largest move of a gap from state u by the displacement v, in the lengths above. */
+double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site);
+
+/* ---- corrector.c: KINSOL on the bordered system
+ * --------------------------------------------------- */
+
+haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_error *error);
+void haft_corrector_destroy(haft_corrector **corrector);
+
+/* Solves grad Pi = 0 with the control at `value`, from the state given; leaves the Hessian at the
+ * solution in t->hessian. @return false if it did not converge. */
+bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, haft_state *state);
+
+/* ---- branch.c
+ * ------------------------------------------------------------------------------------- */
+
+/* Factors the Hessian at the state last evaluated and sets t->solution. @return its inertia, with
+ * negative = -1 if it could not be factored. */
+haft_inertia haft_branch_certify(haft_tracker *t);
+
+/* Derivatives at a certified state. `side` is the sign of dtau of the motion on whose side the
+ * laws' kinks are read: where it leads when leaving, where it comes from (pass -sign) when
+ * arriving. */
+void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_control control, int side,
+                        haft_branch *out);
+
+/* The same branch by another control: derivatives by the chain rule. @return the dtau of the new
+ * control that one unit of the old one's is, to first order. */
+double haft_branch_rebase(const haft_tracker *t, haft_control control, haft_branch *branch);
+
+/* Work of the load [J] between `here` and `next` over dtau, by quintic interpolation of load and
+ * deflection from both ends' derivatives. */
+double haft_branch_work(const haft_tracker *t, double dtau);
+
+/* Smallest eigenvalue of H phi = lambda M phi at the certified state, by inverse iteration. */
+double haft_branch_least_eigenvalue(haft_tracker *t);
+
+typedef enum haft_step_result {
+    HAFT_STEP_TAKEN,
+    HAFT_STEP_REJECTED,
+    HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */
+    HAFT_STEP_UNSTABLE, /* an eigenvalue went negative though the load did not turn */
+} haft_step_result;
+
+/* A step tried: `next`, its certificate and its ledger. */
+typedef struct haft_step {
+    haft_control control;
+    int sign; /* of dtau */
+    double dtau;
+    double work;    /* of the load [J] */
+    double defect;  /* energy gained - work [J] */
+    double allowed; /* what the defect may be [J] */
+    double moved;   /* largest move of a gap between prediction and solution, in lengths */
+    haft_inertia inertia;
+} haft_step;
+
+/* Sets the step's work, defect and allowance from `here` to `next`. */
+void haft_branch_book(haft_tracker *t, haft_step *step);
+
+/* Predicts, corrects, certifies and books a step from `here`, whose derivatives are in t->start. */
+haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction);
+
+/* ---- fold.c
+ * --------------------------------------------------------------------------------------- */
+
+/* Given a step that ended in HAFT_STEP_FOLD, puts the fold into t->next and its null vector, scaled
+ * by the control, into t->null; step->dtau, work and defect become those of the stretch up to the
+ * fold. @return false if it could not be located. */
+bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *defect);
+
+/* ---- flow.c
+ * --------------------------------------------------------------------------------------- */
+
+/* Follows M u' = -grad Pi at the load of `here` from here + a little of `away` until it rests in a
+ * stable, certified equilibrium, which goes into `here`. @return HAFT_OUTCOME_STUCK when landed,
+ * else why not. */
+haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps);
+
+#endif
