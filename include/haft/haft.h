@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file haft.h
+ *  All public headers at once. */
+#ifndef HAFT_HAFT_H
+#define HAFT_HAFT_H
+
+#include "haft/base.h"
+#include "haft/beam.h"
+#include "haft/contact.h"
+#include "haft/io.h"
+#include "haft/law.h"
+#include "haft/solve.h"
+#include "haft/surface.h"
+
+#endif
