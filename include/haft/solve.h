@@ -35,7 +35,6 @@ typedef struct haft_path_options {
 typedef enum haft_outcome {
     HAFT_OUTCOME_STUCK,        /**< unloaded, and still in contact */
     HAFT_OUTCOME_FREE,         /**< unloaded, and touching nowhere */
-    HAFT_OUTCOME_LOAD_LIMIT,   /**< the load limit came before the crack length */
     HAFT_OUTCOME_STEP_STALLED, /**< no step could be made, however small */
     HAFT_OUTCOME_FOLD_LOST,    /**< a fold could not be located */
     HAFT_OUTCOME_FLOW_STALLED, /**< a landing did not come to rest */
@@ -89,6 +88,7 @@ typedef struct haft_path {
     double *state;       /**< points x dofs (keep_states), else NULL: scaled unknowns */
     double *final_state; /**< dofs */
     size_t turn;         /**< index of the last point of the loading */
+    bool turned_by_load; /**< the loading ended at the load limit, not at the crack length */
     haft_outcome outcome;
     double ledger_error; /**< greatest |work - energy - dissipated| over the path / total |work| */
     haft_path_cost cost;

@@ -10,8 +10,8 @@ enum { ALIGNMENT = 64 };
 void *haft_memory_alloc(size_t count, size_t size, haft_error *error) {
     size_t bytes = 0;
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - ALIGNMENT) {
-        haft_error_set(error, HAFT_ERROR_MEMORY, "%zu items of %zu bytes overflow the address space",
-                       count, size);
+        haft_error_set(error, HAFT_ERROR_MEMORY,
+                       "%zu items of %zu bytes overflow the address space", count, size);
         return NULL;
     }
     size_t padded = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;

@@ -42,8 +42,7 @@ void haft_units_destroy(haft_units **units) {
 }
 
 static haft_status convert(const haft_units *units, double number, const char *given,
-                           const char *text, const char *wanted, double *value,
-                           haft_error *error) {
+                           const char *text, const char *wanted, double *value, haft_error *error) {
     haft_status status = HAFT_OK;
     ut_unit *from = ut_parse(units->system, given, UT_UTF8);
     ut_unit *to = ut_parse(units->system, wanted, UT_UTF8);

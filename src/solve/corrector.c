@@ -19,6 +19,10 @@
 
 enum { NEWTON_LIMIT = 8 };
 
+/* Residuals are measured against the forces at hand, but never against less than this, in units of
+ * energy_unit / gap: an unloaded beam far above its substrate has none. */
+#define LEAST_FORCE 1e-3
+
 struct haft_corrector {
     haft_tracker *tracker;
     haft_control control;
@@ -236,14 +240,15 @@ void haft_corrector_destroy(haft_corrector **corrector) {
     *corrector = NULL;
 }
 
-/* What rounding of u alone makes of K u: no residual can be asked below it. */
+/* What rounding of u alone makes of the forces, by the Hessian at hand: no residual can be asked
+ * below it. */
 static double rounding_floor(const haft_tracker *t, const double *u) {
     double largest = 0;
     double *sum = t->scratch[0];
     memset(sum, 0, t->n * sizeof *sum);
     for (size_t j = 0; j < t->n; j++) {
         for (int k = t->model->column[j]; k < t->model->column[j + 1]; k++) {
-            sum[t->model->row[k]] += fabs(t->model->stiffness[k] * u[j]);
+            sum[t->model->row[k]] += fabs(t->hessian[k] * u[j]);
         }
     }
     for (size_t i = 0; i < t->n; i++) {
@@ -276,10 +281,10 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
         c->finite = false;
         return false;
     }
-    force = fmax(force, fabs(state->load));
+    force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
     double floor_force = rounding_floor(t, y);
-    double tolerance = fmax(t->options.residual_tolerance, force > 0 ? floor_force / force : 0);
-    N_VConst(force > 0 ? 1 / force : 1, c->f_scale);
+    double tolerance = fmax(t->options.residual_tolerance, floor_force / force);
+    N_VConst(1 / force, c->f_scale);
     double control_length =
         control.site == NULL ? fmax(fabs(value), 1) : t->range[control.index] / t->model->gap;
     N_VGetArrayPointer(c->f_scale)[t->n] = 1 / control_length;

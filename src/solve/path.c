@@ -283,7 +283,8 @@ static haft_outcome advance(walker *w) {
         if (past_load) {
             if (stop_at_load(w, &step, limit)) {
                 accept(w, &step);
-                return w->direction > 0 ? HAFT_OUTCOME_LOAD_LIMIT : HAFT_OUTCOME_FREE;
+                w->path->turned_by_load |= w->direction > 0;
+                return HAFT_OUTCOME_FREE;
             }
         } else if (result == HAFT_STEP_TAKEN) {
             bool over = target_reached(w, &t->next);

@@ -44,11 +44,16 @@ static void units_convert_and_refuse(void **state) {
         const char *text, *unit;
         double value;
     } good[] = {
-        {"600 um", "m", 600e-6},         {"163 GPa", "Pa", 163e9},
-        {"289 rad/um", "rad/m", 289e6},  {"6.46e3 nm^4", "m^4", 6.46e-33},
-        {"85 %", "1", 0.85},             {"0.22", "1", 0.22},
-        {"72 mN/m", "N/m", 0.072},       {"  2.62um", "m", 2.62e-6},
-        {"18 cm3/mol", "m3/mol", 18e-6}, {"300 K", "K", 300},
+        {"600 um", "m", 600e-6},
+        {"163 GPa", "Pa", 163e9},
+        {"289 rad/um", "rad/m", 289e6},
+        {"6.46e3 nm^4", "m^4", 6.46e-33},
+        {"85 %", "1", 0.85},
+        {"0.22", "1", 0.22},
+        {"72 mN/m", "N/m", 0.072},
+        {"  2.62um", "m", 2.62e-6},
+        {"18 cm3/mol", "m3/mol", 18e-6},
+        {"300 K", "K", 300},
     };
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         double value = 0;
