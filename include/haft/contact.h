@@ -27,7 +27,7 @@ typedef struct haft_capillary {
     double range;         /**< h_C = -r_K (cos rho_1 + cos rho_2) [m] */
 } haft_capillary;
 
-/** Kelvin radius, Laplace pressure and capillary range.
+/** Kelvin radius, Laplace pressure and capillary range. Thread-safe.
  *  Source: Hoang et al. (2017), Eqs. 12-14; the range without the printed factor 2, which would
  *  double the wet area they report. @return HAFT_ERROR_INPUT outside the valid ranges. */
 haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_spec *spec,
@@ -38,25 +38,31 @@ double haft_contact_modulus(double young_1, double poisson_1, double young_2, do
 
 /** What counts as one asperity. */
 typedef enum haft_asperity_model {
-    /** Local maxima among 8 neighbours; apex and radius from the quadratic through the 3 x 3
-     *  points, radius the inverse of the mean curvature. */
+    /** Points above the lowest distance and not lower than any of their 8 neighbours (of equal
+     *  neighbours the first in the scan); apex and radius from the quadratic of central
+     *  differences, radius the inverse of the mean curvature. A border point that is highest
+     *  among the neighbours it has counts if the quadratic of one-sided differences has its apex
+     *  no further than half a step beyond the border: else the apex is the adjoining patch's. So
+     *  a patch cut in two has each parabolic asperity once. */
     HAFT_ASPERITY_SUMMITS,
     /** Connected regions above d (8-connected); the paraboloid with the region's area A and volume
-     *  V: penetration 2V/A, radius A^2/(4 pi V). */
+     *  V: penetration 2V/A, radius A^2/(4 pi V), hence Hertz area A/2. A region cut by the border
+     *  counts in each patch with its part. Its push can fall a little where islands merge. */
     HAFT_ASPERITY_ISLANDS,
 } haft_asperity_model;
 
 typedef struct haft_contact_spec {
     haft_asperity_model asperities;
-    double modulus;        /**< equivalent modulus [Pa] */
-    bool has_capillary;    /**< false: Hertz alone */
-    double pressure;       /**< Laplace pressure [Pa], negative */
+    double modulus;         /**< equivalent modulus [Pa] */
+    bool has_capillary;     /**< false: Hertz alone */
+    double pressure;        /**< Laplace pressure [Pa], not positive */
     double capillary_range; /**< h_C [m] */
 } haft_contact_spec;
 
-/** A patch's answer at n distances; arrays are the caller's, each of length n. Areas are fractions
- *  of the nominal area. wet_area is the area below h_C, contact area included; the capillary
- *  pressure acts on wet_area - contact_area. Any pointer but force may be NULL. */
+/** A patch's answer at n >= 2 distances; arrays are the caller's, each of length n. Areas are
+ *  fractions of the nominal area. wet_area is the area below h_C, contact area included, and 0
+ *  without a capillary; the capillary pressure acts on wet_area - contact_area, or on nothing where
+ *  that is negative. contact_area, wet_area and asperities may be NULL. */
 typedef struct haft_curve {
     size_t n;
     const double *distance; /**< [m], strictly increasing, evenly spaced */
@@ -66,7 +72,8 @@ typedef struct haft_curve {
     double *asperities;     /**< asperities in contact an area [1/m^2] */
 } haft_curve;
 
-/** Scratch for patches of up to rows x columns points; one a thread. */
+/** Scratch for patches of up to rows x columns points (each at least 3, 2^31 in all); one a thread.
+ *  Takes about 15 bytes a point. The first curve longer than any before takes a little more. */
 typedef struct haft_contact_work haft_contact_work;
 haft_status haft_contact_work_create(haft_contact_work **out, size_t rows, size_t columns,
                                      haft_error *error) HAFT_MUST_CHECK;
@@ -77,11 +84,15 @@ void haft_contact_work_destroy(haft_contact_work **work);
  *  f(d) = (1/A) sum (4/3) E sqrt(R) (z_s - d)^{3/2} + pressure * (wet(d) - contact(d)).
  *
  *  The heights are gone through once: points are counted into the intervals between the distances
- *  (a bucket sort; menisci merge because area is counted, not asperities), and the few above the
- *  lowest distance are sorted for the islands, which grow and merge by union-find.
+ *  (menisci merge because area is counted, not asperities), and the few above the lowest distance
+ *  are listed for the summits or, bunched by interval, for the islands, which grow and merge by
+ *  union-find.
  *  Source: Hertz (1882); Hoang et al. (2017), Sec. 2.2.2.
- *  @return HAFT_ERROR_ARGUMENT for a distance grid that is not even or increasing or a patch larger
- *  than the work; HAFT_ERROR_INPUT for heights that are not finite. Thread-safe for distinct work. */
+ *  @param[in] z heights [m], row by row
+ *  @param[in] step of the grid, both ways [m], > 0
+ *  @return HAFT_ERROR_ARGUMENT for a distance grid that is not even (to a millionth of its step) or
+ *  increasing, a patch larger than the work or a spec out of range; HAFT_ERROR_INPUT for heights
+ *  that are not finite; HAFT_ERROR_MEMORY. Thread-safe for distinct work. */
 haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec *spec,
                                const double *z, size_t rows, size_t columns, double step,
                                haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;
@@ -96,7 +107,8 @@ typedef struct haft_zero_force {
 } haft_zero_force;
 
 /** The largest distance at which f changes from push to pull, everything else interpolated
- *  linearly there. The curve must hold all its arrays. Thread-safe. */
+ *  linearly there; zeros between push and pull belong to the push. The curve must hold all its
+ *  arrays. Thread-safe. */
 haft_zero_force haft_contact_zero_force(const haft_curve *curve);
 
 #ifdef __cplusplus

@@ -28,8 +28,8 @@ typedef enum haft_law_fault {
     HAFT_LAW_RANGE_LEFT,    /**< the push does not reach f_limit on the grid */
     HAFT_LAW_RANGE_RIGHT,   /**< the pull has not died away at the grid's end */
     HAFT_LAW_BOUND,         /**< e <= f_max / (2 a_left): the left wing alone holds more energy */
-    HAFT_LAW_INVALID,       /**< a number is not finite, or e, f_max, d_max - d_limit not positive */
-    HAFT_LAW_FAULTS         /**< how many there are */
+    HAFT_LAW_INVALID, /**< a number is not finite, or e, f_max, d_max - d_limit not positive */
+    HAFT_LAW_FAULTS   /**< how many there are */
 } haft_law_fault;
 
 /** A short name of a fault ("two wells"), never NULL. */
@@ -41,7 +41,10 @@ const char *haft_law_fault_name(haft_law_fault fault);
 
 /** Law vector of a sampled curve, read off its C1 monotone interpolant: d_max and f_max from the
  *  parabola through the three points about the greatest pull, e the exact integral of the
- *  interpolant's negative part, d_limit the first crossing of f_limit to the left of d_max.
+ *  interpolant's negative part (0 from the last point on), d_limit the first crossing of f_limit to
+ *  the left of d_max. On a Morse law, whose second derivative jumps at d_max, d_max is good to
+ *  first order in the step, f_max to second, e and d_limit to third. Of several faults the first
+ *  is told: invalid, no attraction, range right, two wells, range left.
  *  @param[in] distance evenly increasing [m], n >= 4
  *  @param[in] f_limit the limit push [Pa], > 0
  *  @return the fault; *vector is set only if HAFT_LAW_SOUND. A Morse law may still refuse it
@@ -57,10 +60,11 @@ typedef enum haft_law_kind { HAFT_LAW_MORSE, HAFT_LAW_TABLE } haft_law_kind;
 /** One law; a value, copied freely. A table law borrows its table. */
 typedef struct haft_law {
     haft_law_kind kind;
-    double f_max, d_max; /**< greatest pull [Pa] and its gap [m] (0 and NaN: never pulls) */
+    double f_max, d_max;    /**< greatest pull [Pa] and its gap [m] (0 and NaN: never pulls) */
     double a_left, a_right; /**< Morse exponents [1/m] */
     double wall_distance;   /**< below it the wall goes on linearly [m] */
-    double wall_force, wall_slope, wall_potential; /**< f [Pa], f' [Pa/m], Phi [J/m^2] at the wall */
+    double wall_force, wall_slope,
+        wall_potential; /**< f [Pa], f' [Pa/m], Phi [J/m^2] at the wall */
     const haft_law_table *table;
 } haft_law;
 
@@ -68,7 +72,8 @@ typedef struct haft_law {
 typedef struct haft_law_value {
     double force;     /**< [Pa] */
     double slope;     /**< df/dd [Pa/m] */
-    double curvature; /**< d2f/dd2 [Pa/m^2]; one-sided from above at the kinks */
+    double curvature; /**< d2f/dd2 [Pa/m^2]; from the right at the kinks; at a table's last
+                       *   point that is 0 */
     double potential; /**< [J/m^2] */
 } haft_law_value;
 
@@ -85,8 +90,12 @@ haft_law_fault haft_law_morse(haft_law *out, const haft_law_vector *vector, doub
 haft_law_vector haft_law_morse_vector(const haft_law *law);
 
 /** Makes a table of a curve by monotone cubic Hermite interpolation; left of the first point the
- *  tangent goes on, right of the last the force is zero (the last value is set to 0 if it pulls
- *  by less than HAFT_LAW_PROMINENCE of the greatest pull; else HAFT_ERROR_INPUT).
+ *  tangent goes on (level if the curve begins rising), right of the last the force is zero.
+ *  Third order in the step where the curve is monotone, second at its extrema.
+ *  @param[in] distance strictly increasing [m], n >= 4; an even grid is looked up in O(1)
+ *  @return HAFT_ERROR_INPUT if a number is not finite, if the curve pulls at its first point (no
+ *  wall), or if its last value, which is taken as 0, exceeds HAFT_LAW_PROMINENCE of the greatest
+ *  pull (or, for a curve that never pulls, of the greatest push).
  *  Source: Fritsch and Butland (1984). */
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
                                   const double *force, haft_error *error) HAFT_MUST_CHECK;
@@ -95,15 +104,18 @@ void haft_law_table_destroy(haft_law_table **table);
 /** The law of a table, which must outlive it. */
 haft_law haft_law_from_table(const haft_law_table *table);
 
-/** Value, slope, curvature and potential at gap d [m]. Never overflows. Thread-safe. */
+/** Value, slope, curvature and potential at gap d [m], which is no NaN. Finite for |d| up to 1e100
+ * m (the potential of the wall grows by d^2). Thread-safe. */
 haft_law_value haft_law_evaluate(const haft_law *law, double d);
 
 /** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the
- *  gap at which its push vanishes. 0 < share < 1. Thread-safe. */
+ *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
 double haft_law_reach(const haft_law *law, double share);
 
 /** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a Morse
- *  law; f_max over the steepest slope of a table. Thread-safe. */
+ *  law; of a table f_max over the steepest slope where the push is below f_max (a Morse law's table
+ *  gives about 1/(7 a_left)); of one that never pulls its greatest push over its steepest slope.
+ *  Thread-safe. */
 double haft_law_range(const haft_law *law);
 
 #ifdef __cplusplus

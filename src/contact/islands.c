@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Islands: 8-connected regions above the distance, each a paraboloid of its area A and volume V.
+ * The water falls: points come up in bunches between one distance and the next, join or found
+ * islands by union-find, and each island carries its number of points and their heights' sum.
+ * Within a bunch the order cannot matter, so points are counted into bunches rather than sorted.
+ *
+ * With penetration 2V/A and radius A^2/(4 pi V), sqrt(R) delta^(3/2) = sqrt(2/pi) V / sqrt(A) and
+ * the Hertz area is A/2. An island cut by the patch's border counts with the part inside. */
+#include <math.h>
+#include <string.h>
+
+#include "contact/patch.h"
+
+typedef struct islands {
+    uint32_t *label; /* of each point, framed by empty points: 1 + its island, 0 while below */
+    uint32_t *parent, *count, *live;
+    double *sum;
+    uint32_t total, alive;
+} islands;
+
+static inline uint32_t find(uint32_t *parent, uint32_t island) {
+    while (parent[island] != island) {
+        parent[island] = parent[parent[island]];
+        island = parent[island];
+    }
+    return island;
+}
+
+static uint32_t merge(islands *all, uint32_t a, uint32_t b) {
+    uint32_t into = a < b ? a : b, from = a < b ? b : a;
+    all->parent[from] = into;
+    all->count[into] += all->count[from];
+    all->sum[into] += all->sum[from];
+    return into;
+}
+
+static inline uint32_t found_island(islands *all) {
+    uint32_t island = all->total++;
+    all->parent[island] = island;
+    all->count[island] = 0;
+    all->sum[island] = 0;
+    all->live[all->alive++] = island;
+    return island;
+}
+
+static void add_point(islands *all, size_t place, size_t pitch, double rise) {
+    const size_t near[8] = {place - pitch - 1, place - pitch,    place - pitch + 1,
+                            place - 1,         place + 1,        place + pitch - 1,
+                            place + pitch,     place + pitch + 1};
+    uint32_t mine = UINT32_MAX, last = 0;
+    for (int k = 0; k < 8; k++) {
+        uint32_t label = all->label[near[k]];
+        if (label == last || label == 0) {
+            continue;
+        }
+        last = label;
+        uint32_t other = find(all->parent, label - 1);
+        if (mine == UINT32_MAX) {
+            mine = other;
+        } else if (mine != other) {
+            mine = merge(all, mine, other);
+        }
+    }
+    if (mine == UINT32_MAX) {
+        mine = found_island(all);
+    }
+    all->label[place] = mine + 1;
+    all->count[mine]++;
+    all->sum[mine] += rise;
+}
+
+/* Sums over the islands at a depth above the lowest distance, dropping those merged into others. */
+static void add_up(islands *all, double depth, double *push, double *points) {
+    double sum = 0, covered = 0;
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < all->alive; k++) {
+        uint32_t island = all->live[k];
+        if (all->parent[island] != island) {
+            continue;
+        }
+        all->live[kept++] = island;
+        double n = all->count[island];
+        sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
+        covered += n;
+    }
+    all->alive = kept;
+    *push = sum;
+    *points = covered;
+}
+
+/* The points of a bunch lie far apart: what the coming ones need is asked of memory in time. */
+enum { AHEAD = 12 };
+static inline void call_up(const islands *all, const haft_patch *patch, uint32_t point) {
+    size_t pitch = patch->columns + 1;
+    const uint32_t *label = all->label + point + point / (uint32_t)patch->columns + 1;
+    __builtin_prefetch(patch->z + point);
+    __builtin_prefetch(label);
+    __builtin_prefetch(label + pitch);
+    __builtin_prefetch(label + 2 * pitch);
+}
+
+/* Orders the found points by the number of distances they exceed, most first; next[level] becomes
+ * the end of that level's stretch. */
+static void make_bunches(haft_contact_work *work, const haft_patch *patch,
+                         const haft_levels *distances, size_t n, uint32_t *order) {
+    uint32_t *counts = work->counts, *next = work->counts + distances->n + 1;
+    memset(counts, 0, (distances->n + 1) * sizeof *counts);
+    for (size_t k = 0; k < n; k++) {
+        counts[haft_levels_below(distances, patch->z[work->found[k]])]++;
+    }
+    uint32_t before = 0;
+    for (size_t level = distances->n + 1; level-- > 0;) {
+        next[level] = before;
+        before += counts[level];
+    }
+    for (size_t k = 0; k < n; k++) {
+        uint32_t point = work->found[k];
+        order[next[haft_levels_below(distances, patch->z[point])]++] = point;
+    }
+}
+
+void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
+                          const haft_levels *distances, size_t n, const haft_tally *tally) {
+    uint32_t *order = work->spare;
+    make_bunches(work, patch, distances, n, order);
+    const uint32_t *end = work->counts + distances->n + 1;
+    size_t pitch = patch->columns + 1; /* one empty point ends a row and begins the next */
+    islands all = {.label = work->found,
+                   .parent = work->top_parent,
+                   .count = work->top_count,
+                   .live = work->top_live,
+                   .sum = work->top_a};
+    memset(all.label, 0, (pitch * (patch->rows + 2) + 1) * sizeof *all.label);
+    double lowest = distances->at[0], step = patch->step;
+    uint32_t columns = (uint32_t)patch->columns;
+    size_t k = 0;
+    for (size_t level = distances->n; level-- > 0;) {
+        for (; k < end[level + 1]; k++) {
+            if (k + AHEAD < n) {
+                call_up(&all, patch, order[k + AHEAD]);
+            }
+            uint32_t point = order[k];
+            add_point(&all, point + point / columns + pitch + 1, pitch, patch->z[point] - lowest);
+        }
+        double push = 0, points = 0;
+        add_up(&all, distances->at[level] - lowest, &push, &points);
+        tally->push[level] = sqrt(2 / M_PI) * step * push;
+        tally->area[level] = 0.5 * step * step * points;
+        tally->number[level] = all.alive;
+    }
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the two asperity models share: the patch, its distances, and the scratch. */
+#ifndef HAFT_CONTACT_PATCH_H
+#define HAFT_CONTACT_PATCH_H
+
+#include "haft/contact.h"
+
+typedef struct haft_patch {
+    const double *z;
+    size_t rows, columns;
+    double step;
+} haft_patch;
+
+/* An even, increasing grid of levels; at[n] is +infinity. */
+typedef struct haft_levels {
+    size_t n;
+    double first, per_step;
+    const double *at;
+} haft_levels;
+
+/* How many levels lie strictly below z, exactly as comparing with each would tell: rounding to the
+ * nearest level leaves only that one in doubt. A z that is no number counts as below all. */
+static inline size_t haft_levels_below(const haft_levels *levels, double z) {
+    double x = (z - levels->first) * levels->per_step + 0.5;
+    double n = (double)levels->n;
+    x = x > 0 ? x : 0;
+    x = x < n ? x : n;
+    size_t nearest = (size_t)(int)x;
+    return nearest + (levels->at[nearest] < z);
+}
+
+/* What the asperities sum to at each distance. */
+typedef struct haft_tally {
+    double *push;   /* sum of sqrt(R) (z_s - d)^(3/2) [m^2] */
+    double *area;   /* sum of pi R (z_s - d) [m^2] */
+    double *number; /* asperities in contact */
+} haft_tally;
+
+/* With N points and T = ceil(rows/2) ceil(columns/2), the most summits or islands there can be (no
+ * two are neighbours), `found` and `spare` hold 4 (N + rows + 2 columns + 4) bytes each and the
+ * other arrays T items: 15 bytes a point in all. */
+struct haft_contact_work {
+    size_t rows, columns;
+    size_t levels;      /* capacity of the arrays below, grown when a longer curve comes */
+    double *level_data; /* distances, wet levels, and the tally: 5 (levels + 1) numbers */
+    uint32_t *counts;   /* 2 (levels + 1) */
+    uint32_t *found;    /* points above the lowest distance, in the order of the scan */
+    void *spare;
+    double *top_a, *top_b;
+    uint32_t *top_count, *top_parent, *top_live;
+};
+
+/* The tally of either model from the points work->found[0 .. n - 1]; they may overwrite found. */
+void haft_contact_summits(haft_contact_work *work, const haft_patch *patch,
+                          const haft_levels *distances, size_t n, const haft_tally *tally);
+void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
+                          const haft_levels *distances, size_t n, const haft_tally *tally);
+
+#endif

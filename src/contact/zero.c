@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a curve's force vanishes, looked for from the far end, linear between distances. */
+#include "haft/contact.h"
+
+/* Whether the force, going back from point j over zeros, is a push. */
+static bool was_push(const double *force, size_t j) {
+    while (j > 0 && force[j] == 0) {
+        j--;
+    }
+    return force[j] > 0;
+}
+
+haft_zero_force haft_contact_zero_force(const haft_curve *curve) {
+    const double *f = curve->force;
+    for (size_t j = curve->n; j-- > 1;) {
+        if (f[j] < 0 && f[j - 1] >= 0 && was_push(f, j - 1)) {
+            double t = f[j - 1] / (f[j - 1] - f[j]);
+#define BETWEEN(what) (curve->what[j - 1] + t * (curve->what[j] - curve->what[j - 1]))
+            return (haft_zero_force){.found = true,
+                                     .distance = BETWEEN(distance),
+                                     .contact_area = BETWEEN(contact_area),
+                                     .wet_area = BETWEEN(wet_area),
+                                     .asperities = BETWEEN(asperities)};
+#undef BETWEEN
+        }
+    }
+    return (haft_zero_force){.found = false};
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Piecewise cubic Hermite interpolation with the slopes of Fritsch and Butland (1984): a weighted
+ * harmonic mean of the neighbouring secants, zero where these differ in sign, so that the cubic is
+ * monotone wherever the points are. Third order in the step where the curve is monotone, second
+ * at an extremum, which is cut flat at its highest point. */
+#include "law/hermite.h"
+
+#include <math.h>
+
+bool haft_hermite_is_curve(size_t n, const double *x, const double *f) {
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(x[i]) || !isfinite(f[i]) || (i > 0 && !(x[i] > x[i - 1]))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool haft_hermite_is_even(size_t n, const double *x) {
+    double step = (x[n - 1] - x[0]) / (double)(n - 1);
+    for (size_t i = 1; i < n; i++) {
+        if (!(fabs(x[i] - (x[0] + (double)i * step)) <= 1e-6 * step)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double point_value(size_t n, const double *f, size_t i) {
+    return i == n - 1 ? 0.0 : f[i];
+}
+
+static double secant(size_t n, const double *x, const double *f, size_t i) {
+    return (point_value(n, f, i + 1) - point_value(n, f, i)) / (x[i + 1] - x[i]);
+}
+
+/* The left end: the parabola's slope, held back so that the cubic stays monotone, and never
+ * rising, for the tangent goes on to the left and a wall must not turn into a pull. */
+static double first_slope(size_t n, const double *x, const double *f) {
+    double h0 = x[1] - x[0], h1 = x[2] - x[1];
+    double s0 = secant(n, x, f, 0), s1 = secant(n, x, f, 1);
+    double slope = s0 + (s0 - s1) * h0 / (h0 + h1);
+    if (s0 >= 0 || slope >= 0) {
+        return 0;
+    }
+    return fmax(slope, 3 * s0);
+}
+
+static double slope_at(size_t n, const double *x, const double *f, size_t i) {
+    if (i == 0) {
+        return first_slope(n, x, f);
+    }
+    if (i == n - 1) {
+        return 0;
+    }
+    double h0 = x[i] - x[i - 1], h1 = x[i + 1] - x[i];
+    double s0 = secant(n, x, f, i - 1), s1 = secant(n, x, f, i);
+    if (!((s0 > 0 && s1 > 0) || (s0 < 0 && s1 < 0))) {
+        return 0;
+    }
+    return 3 * (h0 + h1) / ((2 * h1 + h0) / s0 + (h1 + 2 * h0) / s1);
+}
+
+haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i) {
+    double h = x[i + 1] - x[i];
+    double s = secant(n, x, f, i);
+    double m0 = slope_at(n, x, f, i), m1 = slope_at(n, x, f, i + 1);
+    return (haft_hermite){
+        .c = {point_value(n, f, i), m0, (3 * s - 2 * m0 - m1) / h, (m0 + m1 - 2 * s) / (h * h)},
+        .width = h,
+    };
+}
+
+double haft_hermite_value(const haft_hermite *cubic, double t) {
+    const double *c = cubic->c;
+    return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+}
+
+double haft_hermite_integral(const haft_hermite *cubic, double t) {
+    const double *c = cubic->c;
+    return t * (c[0] + t * (c[1] / 2 + t * (c[2] / 3 + t * c[3] / 4)));
+}
+
+double haft_hermite_solve(const haft_hermite *cubic, double value) {
+    enum { STEPS = 200 }; /* bisection alone would need 53 or so; Newton takes about 5 */
+    const double *c = cubic->c;
+    double low = 0, high = cubic->width;
+    bool falls = haft_hermite_value(cubic, high) < c[0];
+    double t = 0.5 * high;
+    for (int step = 0; step < STEPS; step++) {
+        double miss = haft_hermite_value(cubic, t) - value;
+        if (miss == 0) {
+            break;
+        }
+        if ((miss > 0) == falls) {
+            low = t;
+        } else {
+            high = t;
+        }
+        double slope = c[1] + t * (2 * c[2] + t * 3 * c[3]);
+        double next = t - miss / slope;
+        if (!(next > low && next < high)) {
+            next = 0.5 * (low + high);
+        }
+        if (next == t || next == low || next == high) {
+            break;
+        }
+        t = next;
+    }
+    return t;
+}
+
+double haft_hermite_steepest(const haft_hermite *cubic) {
+    const double *c = cubic->c;
+    double h = cubic->width;
+    double steepest = fmax(fabs(c[1]), fabs(c[1] + h * (2 * c[2] + h * 3 * c[3])));
+    double t = -c[2] / (3 * c[3]);
+    if (t > 0 && t < h) {
+        steepest = fmax(steepest, fabs(c[1] + t * (2 * c[2] + t * 3 * c[3])));
+    }
+    return steepest;
+}

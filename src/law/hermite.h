@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The monotone cubic between two points of a curve, shared by the table and by characterise. */
+#ifndef HAFT_LAW_HERMITE_H
+#define HAFT_LAW_HERMITE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* f(t) = c[0] + c[1] t + c[2] t^2 + c[3] t^3, 0 <= t <= width. */
+typedef struct haft_hermite {
+    double c[4];
+    double width;
+} haft_hermite;
+
+/* Whether x is finite and strictly increasing and f finite. */
+bool haft_hermite_is_curve(size_t n, const double *x, const double *f);
+
+/* Whether no x is off an even grid by more than a millionth of its step. */
+bool haft_hermite_is_even(size_t n, const double *x);
+
+/* The cubic of [x[i], x[i + 1]] with Fritsch-Butland slopes; n >= 3. The last point counts as
+ * f = 0 with slope 0, whatever f holds there. */
+haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i);
+
+double haft_hermite_value(const haft_hermite *cubic, double t);
+
+/* Integral from 0 to t. */
+double haft_hermite_integral(const haft_hermite *cubic, double t);
+
+/* Where a cubic that is monotone on its width takes `value`, which lies between its end values. */
+double haft_hermite_solve(const haft_hermite *cubic, double value);
+
+/* The largest |slope| on the width. */
+double haft_hermite_steepest(const haft_hermite *cubic);
+
+#endif

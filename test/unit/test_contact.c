@@ -1,0 +1,579 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Contact curves: published figures, refusals, symmetries, borders, and a plain reckoning, distance
+ * by distance, that the fast one must equal. */
+#include "check.h"
+
+#include "haft/contact.h"
+
+enum { LEVELS = 24, MOST = 80 * 96 };
+
+typedef struct answer {
+    haft_curve curve;
+    double distance[LEVELS], force[LEVELS], contact[LEVELS], wet[LEVELS], number[LEVELS];
+} answer;
+
+static const haft_contact_spec wet_spec = {.modulus = 80e9,
+                                           .has_capillary = true,
+                                           .pressure = -22.5e6,
+                                           .capillary_range = 0x1p-27}; /* 7.45 nm */
+
+static haft_contact_spec spec_of(haft_asperity_model model) {
+    haft_contact_spec spec = wet_spec;
+    spec.asperities = model;
+    return spec;
+}
+
+static haft_status try_curve(answer *a, const haft_contact_spec *spec, const double *z, size_t rows,
+                             size_t columns, double step, double low, double high,
+                             haft_error *error) {
+    for (int i = 0; i < LEVELS; i++) {
+        a->distance[i] = low + (high - low) * i / (LEVELS - 1);
+    }
+    a->curve = (haft_curve){LEVELS, a->distance, a->force, a->contact, a->wet, a->number};
+    haft_contact_work *work = NULL;
+    check_ok(haft_contact_work_create(&work, rows, columns, error), *error);
+    haft_status status = haft_contact_curve(work, spec, z, rows, columns, step, &a->curve, error);
+    haft_contact_work_destroy(&work);
+    assert_null(work);
+    return status;
+}
+
+static void get_curve(answer *a, const haft_contact_spec *spec, const double *z, size_t rows,
+                      size_t columns, double step, double low, double high) {
+    haft_error error = {0};
+    check_ok(try_curve(a, spec, z, rows, columns, step, low, high, &error), error);
+}
+
+/* A rough patch of 60 random waves, 3 nm rms, the shortest of `shortest` steps, rounded to
+ * multiples of `quantum`. */
+static void make_waves(double *z, size_t rows, size_t columns, uint64_t which, double shortest,
+                       double quantum) {
+    static double sum[MOST];
+    memset(sum, 0, sizeof sum);
+    for (uint64_t k = 0; k < 60; k++) {
+        uint64_t words[4];
+        haft_random_words((haft_random_key){11, HAFT_RANDOM_TEST}, which, k, 0, words);
+        double number = 2 * M_PI / shortest * sqrt(haft_random_uniform(words[0]));
+        double angle = 2 * M_PI * haft_random_uniform(words[1]);
+        double phase = 2 * M_PI * haft_random_uniform(words[2]);
+        double c[100], d[100];
+        for (size_t j = 0; j < columns; j++) {
+            c[j] = cos(number * sin(angle) * (double)j);
+            d[j] = sin(number * sin(angle) * (double)j);
+        }
+        for (size_t i = 0; i < rows; i++) {
+            double a = cos(number * cos(angle) * (double)i + phase);
+            double b = sin(number * cos(angle) * (double)i + phase);
+            for (size_t j = 0; j < columns; j++) {
+                sum[i * columns + j] += 3e-9 * sqrt(2.0 / 60) * (a * c[j] - b * d[j]);
+            }
+        }
+    }
+    for (size_t p = 0; p < rows * columns; p++) {
+        z[p] = round(sum[p] / quantum) * quantum;
+    }
+}
+
+static void make_patch(double *z, size_t rows, size_t columns, uint64_t which, double quantum) {
+    make_waves(z, rows, columns, which, 5.7, quantum);
+}
+
+static void capillary_gives_the_published_figures(void **state) {
+    (void)state;
+    haft_capillary_spec spec = {
+        .humidity = 0.85, .temperature = 300, .surface_energy = 0.072, .molar_volume = 0.018e-3};
+    haft_capillary c;
+    haft_error error = {0};
+    check_ok(haft_capillary_from_spec(&c, &spec, &error), error);
+    /* With the printed 0.53 nm, which is 0.5196 rounded up, this would be 6.52 nm. */
+    check_relative(c.range, -2 * 0.53e-9 / log(0.85), 0.025);
+    check_relative(c.range, 6.394e-9, 1e-4);
+    check_near(c.pressure, -22.5e6, 0.1e6);
+    check_relative(c.kelvin_radius * c.pressure, 0.072, 1e-14);
+    spec.contact_angle_1 = M_PI / 3;
+    double range = c.range;
+    check_ok(haft_capillary_from_spec(&c, &spec, &error), error);
+    check_relative(c.range, 0.75 * range, 1e-14);
+    spec.contact_angle_2 = M_PI / 3;
+    check_ok(haft_capillary_from_spec(&c, &spec, &error), error);
+    check_relative(c.range, 0.5 * range, 1e-14);
+}
+
+static void capillary_refuses_what_has_no_menisci(void **state) {
+    (void)state;
+    const haft_capillary_spec good = {0.85, 300, 0.072, 18e-6, 0, 0};
+    static const double bad[6][3] = {{0, 1, NAN},  {0, -1, INFINITY},     {0, -1, NAN},
+                                     {0, -1, NAN}, {-0.1, M_PI / 2, NAN}, {-0.1, 2, NAN}};
+    for (int field = 0; field < 6; field++) {
+        for (int k = 0; k < 3; k++) {
+            haft_capillary_spec spec = good;
+            double *const fields[6] = {&spec.humidity,        &spec.temperature,
+                                       &spec.surface_energy,  &spec.molar_volume,
+                                       &spec.contact_angle_1, &spec.contact_angle_2};
+            *fields[field] = bad[field][k];
+            haft_capillary c;
+            haft_error error = {0};
+            assert_int_equal(haft_capillary_from_spec(&c, &spec, &error), HAFT_ERROR_INPUT);
+            assert_true(strlen(error.message) > 20);
+        }
+    }
+}
+
+static void modulus_of_two_bodies(void **state) {
+    (void)state;
+    check_relative(haft_contact_modulus(163e9, 0, 163e9, 0), 81.5e9, 1e-14);
+    check_relative(haft_contact_modulus(100e9, 0.5, INFINITY, 0.3), 100e9 / 0.75, 1e-14);
+}
+
+static void bad_arguments_are_refused(void **state) {
+    (void)state;
+    static double z[MOST];
+    make_patch(z, 20, 30, 1, 0x1p-60);
+    haft_error error = {0};
+    haft_contact_work *work = NULL;
+    assert_int_equal(haft_contact_work_create(&work, 2, 30, &error), HAFT_ERROR_ARGUMENT);
+    assert_int_equal(haft_contact_work_create(&work, SIZE_MAX / 2, 30, &error),
+                     HAFT_ERROR_ARGUMENT);
+    assert_null(work);
+    check_ok(haft_contact_work_create(&work, 20, 30, &error), error);
+    double d[6] = {0, 1e-9, 2e-9, 3e-9, 4e-9, 5e-9}, f[6];
+    haft_curve curve = {.n = 6, .distance = d, .force = f};
+    haft_contact_spec spec = wet_spec;
+#define TRY(rows, columns, step)                                                                   \
+    haft_contact_curve(work, &spec, z, rows, columns, step, &curve, &error)
+    check_ok(TRY(20, 30, 5e-9), error);
+    assert_int_equal(TRY(21, 30, 5e-9), HAFT_ERROR_ARGUMENT);
+    assert_int_equal(TRY(20, 2, 5e-9), HAFT_ERROR_ARGUMENT);
+    assert_int_equal(TRY(20, 30, 0), HAFT_ERROR_ARGUMENT);
+    d[3] = 3.01e-9;
+    assert_int_equal(TRY(20, 30, 5e-9), HAFT_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "distance 3"));
+    d[3] = NAN;
+    assert_int_equal(TRY(20, 30, 5e-9), HAFT_ERROR_ARGUMENT);
+    d[3] = 3e-9;
+    d[5] = -5e-9;
+    assert_int_equal(TRY(20, 30, 5e-9), HAFT_ERROR_ARGUMENT);
+    d[5] = 5e-9;
+    curve.n = 1;
+    assert_int_equal(TRY(20, 30, 5e-9), HAFT_ERROR_ARGUMENT);
+    curve.n = 6;
+    spec.pressure = 1;
+    assert_int_equal(TRY(20, 30, 5e-9), HAFT_ERROR_ARGUMENT);
+    spec = wet_spec;
+    static const double bad[] = {NAN, INFINITY, -INFINITY};
+    for (int k = 0; k < 3; k++) {
+        double good = z[7 * 30 + 11];
+        z[7 * 30 + 11] = bad[k];
+        assert_int_equal(TRY(20, 30, 5e-9), HAFT_ERROR_INPUT);
+        assert_non_null(strstr(error.message, "row 7"));
+        z[7 * 30 + 11] = good;
+    }
+    check_ok(TRY(20, 30, 5e-9), error);
+#undef TRY
+    haft_contact_work_destroy(&work);
+    haft_contact_work_destroy(NULL);
+}
+
+/* ---- the plain reckoning -----------------------------------------------------------------------
+ */
+
+typedef struct sums {
+    double push, area, number;
+} sums;
+
+/* Islands by flood fill. */
+static sums flood(const double *z, int rows, int columns, double step, double d) {
+    static int stack[MOST], seen[MOST];
+    memset(seen, 0, sizeof seen);
+    sums s = {0};
+    for (int start = 0; start < rows * columns; start++) {
+        if (seen[start] || !(z[start] > d)) {
+            continue;
+        }
+        int top = 0, count = 0;
+        double volume = 0;
+        stack[top++] = start;
+        seen[start] = 1;
+        while (top > 0) {
+            int p = stack[--top], i = p / columns, j = p % columns;
+            count++;
+            volume += (z[p] - d) * step * step;
+            for (int q = 0; q < 9; q++) {
+                int a = i + q / 3 - 1, b = j + q % 3 - 1, o = a * columns + b;
+                if (a >= 0 && a < rows && b >= 0 && b < columns && !seen[o] && z[o] > d) {
+                    seen[o] = 1;
+                    stack[top++] = o;
+                }
+            }
+        }
+        double area = count * step * step;
+        double depth = 2 * volume / area, radius = area * area / (4 * M_PI * volume);
+        s.push += sqrt(radius) * pow(depth, 1.5);
+        s.area += M_PI * radius * depth;
+        s.number++;
+    }
+    return s;
+}
+
+static bool is_summit(const double *z, int rows, int columns, int i, int j) {
+    for (int a = i - 1; a <= i + 1; a++) {
+        for (int b = j - 1; b <= j + 1; b++) {
+            int o = a * columns + b, p = i * columns + j;
+            if (a >= 0 && a < rows && b >= 0 && b < columns &&
+                (z[o] > z[p] || (z[o] == z[p] && o < p))) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* The quadratic c0 + c1 x + c2 y + c3 x^2 + c4 xy + c5 y^2 about a sample, from Lagrange's
+ * parabolas through three points an axis: at -1, 0, 1, or at a border at 0 and the two steps
+ * inwards. */
+static void lagrange(int side, double value[3], double slope[3], double bend[3], int at[3]) {
+    for (int k = 0; k < 3; k++) {
+        at[k] = side == 0 ? k - 1 : k * side;
+    }
+    for (int k = 0; k < 3; k++) {
+        double a = at[(k + 1) % 3], b = at[(k + 2) % 3], scale = (at[k] - a) * (at[k] - b);
+        value[k] = a * b / scale;
+        slope[k] = -(a + b) / scale;
+        bend[k] = 2 / scale;
+    }
+}
+
+/* Summits one by one, after the rules in words. */
+static sums search(const double *z, int rows, int columns, double step, double d, double lowest) {
+    sums s = {0};
+    for (int i = 0; i < rows; i++) {
+        for (int j = 0; j < columns; j++) {
+            if (!(z[i * columns + j] > lowest) || !is_summit(z, rows, columns, i, j)) {
+                continue;
+            }
+            int si = i == 0          ? 1
+                     : i == rows - 1 ? -1
+                                     : 0,
+                sj = j == 0             ? 1
+                     : j == columns - 1 ? -1
+                                        : 0;
+            double vi[3], di[3], ddi[3], vj[3], dj[3], ddj[3], gx = 0, gy = 0, xx = 0, yy = 0,
+                                                               xy = 0;
+            int ai[3], aj[3];
+            lagrange(si, vi, di, ddi, ai);
+            lagrange(sj, vj, dj, ddj, aj);
+            for (int k = 0; k < 3; k++) {
+                for (int l = 0; l < 3; l++) {
+                    double h = z[(i + ai[k]) * columns + j + aj[l]] - z[i * columns + j];
+                    gx += vi[k] * dj[l] * h, gy += di[k] * vj[l] * h;
+                    xx += vi[k] * ddj[l] * h, yy += ddi[k] * vj[l] * h, xy += di[k] * dj[l] * h;
+                }
+            }
+            double det = xx * yy - xy * xy;
+            double x = -(yy * gx - xy * gy) / det, y = -(xx * gy - xy * gx) / det;
+            if (!(xx < 0 && det > 0) || fabs(x) > 1 || fabs(y) > 1) {
+                x = xx < 0 ? -gx / xx : 0;
+                y = yy < 0 ? -gy / yy : 0;
+            }
+            bool beyond = (si != 0 && (xx != 0 || yy != 0) && (yy >= 0 || si * y < -0.5)) ||
+                          (sj != 0 && (xx != 0 || yy != 0) && (xx >= 0 || sj * x < -0.5));
+            double depth = z[i * columns + j] + (gx * x + gy * y) / 2 - d;
+            double flat = 1e3 * step * hypot(rows, columns);
+            double radius = fmin(xx + yy < 0 ? -2 * step * step / (xx + yy) : flat, flat);
+            if (depth > 0 && !beyond) {
+                s.push += sqrt(radius) * pow(depth, 1.5);
+                s.area += M_PI * radius * depth;
+                s.number++;
+            }
+        }
+    }
+    return s;
+}
+
+static void check_against_plain(const double *z, int rows, int columns, haft_asperity_model model) {
+    const double step = 5e-9, nominal = rows * columns * step * step;
+    haft_contact_spec spec = spec_of(model);
+    answer a;
+    get_curve(&a, &spec, z, (size_t)rows, (size_t)columns, step, -0x1p-29, 23 * 0x1p-31);
+    for (int k = 0; k < LEVELS; k++) {
+        double d = a.distance[k];
+        sums s = model == HAFT_ASPERITY_ISLANDS ? flood(z, rows, columns, step, d)
+                                                : search(z, rows, columns, step, d, a.distance[0]);
+        int wet = 0;
+        for (int p = 0; p < rows * columns; p++) {
+            wet += z[p] > d - spec.capillary_range;
+        }
+        double share = wet / (double)(rows * columns), contact = s.area / nominal;
+        assert_true(a.wet[k] == share);
+        check_near(a.number[k] * nominal, s.number, 1e-9);
+        check_near(a.contact[k], contact, 1e-11 * contact);
+        double push = 4.0 / 3 * spec.modulus * s.push / nominal;
+        double pull = spec.pressure * fmax(share - contact, 0);
+        check_near(a.force[k], push + pull, 1e-11 * (push - pull));
+    }
+    assert_true(a.number[LEVELS / 2] > 0);
+}
+
+static void curves_equal_the_plain_reckoning(void **state) {
+    (void)state;
+    static double z[MOST];
+    static const double quanta[] = {0x1p-60, 0x1p-33, 0x1p-31}; /* none, some and many ties */
+    for (uint64_t which = 0; which < 12; which++) {
+        int rows = which == 11 ? 3 : 70, columns = 96 - (int)which;
+        make_patch(z, (size_t)rows, (size_t)columns, which, quanta[which % 3]);
+        check_against_plain(z, rows, columns, HAFT_ASPERITY_ISLANDS);
+        check_against_plain(z, rows, columns, HAFT_ASPERITY_SUMMITS);
+    }
+}
+
+/* Heights on the distances, and a bit above and below, on grids as uneven as is allowed. */
+static void heights_on_a_distance_are_told_exactly(void **state) {
+    (void)state;
+    static double z[3 * 3 * LEVELS];
+    haft_contact_spec spec = spec_of(HAFT_ASPERITY_ISLANDS);
+    spec.capillary_range = 0;
+    haft_contact_work *work = NULL;
+    haft_error error = {0};
+    check_ok(haft_contact_work_create(&work, 3 * LEVELS, 3, &error), error);
+    for (int grid = 1; grid < 200; grid++) {
+        answer a;
+        a.curve = (haft_curve){LEVELS, a.distance, a.force, a.contact, a.wet, a.number};
+        for (int k = 0; k < LEVELS; k++) {
+            double uneven = k == 0 || k == LEVELS - 1 ? 0 : 9e-7 * sin(grid * k);
+            double d = -1.7e-9 + 0.13e-12 * grid * (k + uneven);
+            a.distance[k] = d;
+            for (int p = 0; p < 9; p++) {
+                z[9 * k + p] = p % 3 == 0 ? d : nextafter(d, p % 3 == 1 ? 1 : -1);
+            }
+        }
+        check_ok(haft_contact_curve(work, &spec, z, 3 * LEVELS, 3, 5e-9, &a.curve, &error), error);
+        for (int k = 0; k < LEVELS; k++) { /* all on the higher levels, and 3 of 9 on this one */
+            assert_true(a.wet[k] == (9.0 * (LEVELS - 1 - k) + 3) / (9.0 * LEVELS));
+            check_near(a.contact[k], 0.5 * a.wet[k], 1e-15);
+        }
+    }
+    haft_contact_work_destroy(&work);
+}
+
+/* ---- symmetries --------------------------------------------------------------------------------
+ */
+
+static void check_same(const answer *a, const answer *b, double force, double density) {
+    for (int k = 0; k < LEVELS; k++) {
+        double size = fabs(a->force[k]) - wet_spec.pressure * a->wet[k];
+        assert_true(a->wet[k] == b->wet[k]);
+        check_near(b->force[k], a->force[k], force * size);
+        check_near(b->contact[k], a->contact[k], force * a->contact[k]);
+        check_near(b->number[k] * density, a->number[k], 1e-12 * a->number[k]);
+    }
+}
+
+static void curves_know_no_direction(void **state) {
+    (void)state;
+    static double z[MOST], turned[MOST];
+    const int rows = 80, columns = 96;
+    make_patch(z, rows, columns, 5, 0x1p-70);
+    for (int model = 0; model < 2; model++) {
+        haft_contact_spec spec = spec_of(model);
+        answer a, b;
+        get_curve(&a, &spec, z, rows, columns, 5e-9, -2e-9, 1e-8);
+        for (int way = 1; way < 8; way++) { /* bits: mirror rows, mirror columns, transpose */
+            for (int i = 0; i < rows; i++) {
+                for (int j = 0; j < columns; j++) {
+                    int u = way & 1 ? rows - 1 - i : i, v = way & 2 ? columns - 1 - j : j;
+                    turned[way & 4 ? v * rows + u : u * columns + v] = z[i * columns + j];
+                }
+            }
+            get_curve(&b, &spec, turned, way & 4 ? columns : rows, way & 4 ? rows : columns, 5e-9,
+                      -2e-9, 1e-8);
+            check_same(&a, &b, 1e-9, 1);
+        }
+    }
+}
+
+static void curves_shift_and_scale(void **state) {
+    (void)state;
+    static double z[MOST], other[MOST];
+    const int rows = 64, columns = 70;
+    make_patch(z, rows, columns, 6, 0x1p-55);
+    for (int model = 0; model < 2; model++) {
+        haft_contact_spec spec = spec_of(model);
+        answer a, b;
+        const double low = -0x1p-29, high = 19 * 0x1p-31; /* 23 steps of 2^-31, exact */
+        get_curve(&a, &spec, z, rows, columns, 5e-9, low, high);
+        for (int p = 0; p < rows * columns; p++) {
+            other[p] = z[p] + 0x1p-26;
+        }
+        get_curve(&b, &spec, other, rows, columns, 5e-9, low + 0x1p-26, high + 0x1p-26);
+        check_same(&a, &b, 1e-10, 1);
+        for (int p = 0; p < rows * columns; p++) {
+            other[p] = 2 * z[p];
+        }
+        haft_contact_spec twice = spec;
+        twice.capillary_range *= 2;
+        get_curve(&b, &twice, other, rows, columns, 1e-8, 2 * low, 2 * high);
+        check_same(&a, &b, 1e-13, 4);
+        twice = spec;
+        twice.modulus *= 2;
+        twice.pressure *= 2;
+        get_curve(&b, &twice, z, rows, columns, 5e-9, low, high);
+        for (int k = 0; k < LEVELS; k++) {
+            check_near(b.force[k], 2 * a.force[k], 1e-13 * fabs(a.force[k]));
+        }
+    }
+}
+
+static void without_water_it_only_pushes(void **state) {
+    (void)state;
+    static double z[MOST];
+    make_patch(z, 60, 60, 8, 0x1p-60);
+    for (int model = 0; model < 2; model++) {
+        haft_contact_spec spec = spec_of(model);
+        spec.has_capillary = false;
+        answer a;
+        get_curve(&a, &spec, z, 60, 60, 5e-9, -2e-9, 1.6e-8);
+        for (int k = 0; k < LEVELS; k++) {
+            assert_true(a.force[k] >= 0 && a.wet[k] == 0);
+            /* merging islands push less than apart, so only summits push ever more */
+            assert_true(model == HAFT_ASPERITY_ISLANDS || k == 0 || a.force[k] <= a.force[k - 1]);
+        }
+        assert_true(a.force[0] > 0 && a.force[LEVELS - 1] == 0);
+        assert_false(haft_contact_zero_force(&a.curve).found);
+    }
+}
+
+/* ---- borders -----------------------------------------------------------------------------------
+ */
+
+/* A paraboloid over a deep plane, its apex at (row, column) of a patch that begins at `first`. */
+static void make_paraboloid(double *z, int rows, int columns, double row, double column) {
+    for (int i = 0; i < rows; i++) {
+        for (int j = 0; j < columns; j++) {
+            double r2 =
+                pow(i - row, 2) + 1.44 * pow(j - column, 2) + 0.3 * (i - row) * (j - column);
+            z[i * columns + j] = fmax(8e-9 - 2e-11 * r2, -5e-8);
+        }
+    }
+}
+
+/* Where four patches meet, an apex belongs to exactly one of them, wherever it is. */
+static void a_cut_keeps_every_summit_once(void **state) {
+    (void)state;
+    enum { N = 24 };
+    static double z[N * N];
+    haft_contact_spec spec = spec_of(HAFT_ASPERITY_SUMMITS);
+    spec.has_capillary = false;
+    answer whole, part;
+    make_paraboloid(z, N, N, 11.3, 12.2);
+    get_curve(&whole, &spec, z, N, N, 5e-9, 1e-9, 9e-9);
+    for (uint64_t k = 0; k < 400; k++) {
+        uint64_t words[4];
+        haft_random_words((haft_random_key){3, HAFT_RANDOM_TEST}, k, 0, 0, words);
+        double row = N - 2 + 3 * haft_random_uniform(words[0]);
+        double column = N - 2 + 3 * haft_random_uniform(words[1]);
+        double force = 0, number = 0;
+        for (int corner = 0; corner < 4; corner++) {
+            make_paraboloid(z, N, N, row - N * (corner & 1), column - N * (corner >> 1));
+            get_curve(&part, &spec, z, N, N, 5e-9, 1e-9, 9e-9);
+            force += part.force[0];
+            number += part.number[0] / whole.number[0];
+        }
+        check_relative(force, whole.force[0], 1e-9);
+        check_near(number, 1, 1e-12);
+    }
+}
+
+static void wet_area_adds_up_over_a_cut(void **state) {
+    (void)state;
+    static double z[MOST];
+    make_patch(z, 80, 96, 9, 0x1p-60);
+    haft_contact_spec spec = spec_of(HAFT_ASPERITY_ISLANDS);
+    answer whole, a, b;
+    get_curve(&whole, &spec, z, 80, 96, 5e-9, -2e-9, 1e-8);
+    get_curve(&a, &spec, z, 30, 96, 5e-9, -2e-9, 1e-8);
+    get_curve(&b, &spec, z + 30 * 96, 50, 96, 5e-9, -2e-9, 1e-8);
+    for (int k = 0; k < LEVELS; k++) {
+        check_near((30 * a.wet[k] + 50 * b.wet[k]) / 80, whole.wet[k], 1e-15);
+        check_near((30 * a.contact[k] + 50 * b.contact[k]) / 80, whole.contact[k], 1e-15);
+    }
+}
+
+/* How many summits a cut through the middle of rough patches adds, relative to those on it. */
+static double gain_of_a_cut(double shortest) {
+    static double z[MOST];
+    haft_contact_spec spec = spec_of(HAFT_ASPERITY_SUMMITS);
+    double gained = 0, total = 0;
+    for (uint64_t which = 0; which < 100; which++) {
+        answer whole, a, b;
+        make_waves(z, 80, 96, 100 + which, shortest, 0x1p-70);
+        get_curve(&whole, &spec, z, 80, 96, 5e-9, 0, 1e-8);
+        get_curve(&a, &spec, z, 40, 96, 5e-9, 0, 1e-8);
+        get_curve(&b, &spec, z + 40 * 96, 40, 96, 5e-9, 0, 1e-8);
+        total += whole.number[0];
+        gained += 0.5 * (a.number[0] + b.number[0]) - whole.number[0];
+    }
+    double gain = gained / (total * 2 / 80); /* two rows in eighty are on the cut */
+    print_message("shortest wave %4.1f steps: a cut gains %+.3f of the summits on it\n", shortest,
+                  gain);
+    return gain;
+}
+
+static void a_cut_through_roughness_becomes_fair(void **state) {
+    (void)state;
+    double coarse = gain_of_a_cut(5.7), finer = gain_of_a_cut(9), finest = gain_of_a_cut(14);
+    /* Counting every highest point of a border instead gains about +1. */
+    assert_true(fabs(coarse) < 0.4 && fabs(finer) < 0.15 && fabs(finest) < 0.06);
+}
+
+static void a_flat_patch_pushes(void **state) {
+    (void)state;
+    static double z[30 * 30];
+    for (int model = 0; model < 2; model++) {
+        haft_contact_spec spec = spec_of(model);
+        answer a;
+        get_curve(&a, &spec, z, 30, 30, 5e-9, -1e-9, 1e-8);
+        assert_true(a.force[0] > 0 && isfinite(a.force[0]));
+        assert_true(a.wet[0] == 1 && a.wet[LEVELS - 1] == 0);
+        assert_true(a.number[0] > 0 && a.number[LEVELS - 1] == 0);
+    }
+}
+
+static void zero_force_is_the_outermost(void **state) {
+    (void)state;
+    double d[] = {0, 1, 2, 3, 4, 5, 6}, contact[] = {6, 5, 4, 3, 2, 1, 0};
+    double wet[] = {1, 1, 1, 2, 3, 4, 5}, number[] = {9, 8, 7, 6, 5, 4, 3};
+    double f[] = {5, -1, 2, 1, -3, -1, 0};
+    haft_curve curve = {7, d, f, contact, wet, number};
+    haft_zero_force zero = haft_contact_zero_force(&curve);
+    assert_true(zero.found);
+    check_relative(zero.distance, 3.25, 1e-15);
+    check_relative(zero.contact_area, 2.75, 1e-15);
+    check_relative(zero.wet_area, 2.25, 1e-15);
+    check_relative(zero.asperities, 5.75, 1e-15);
+    f[2] = 3, f[3] = 0; /* exactly on a point */
+    check_relative(haft_contact_zero_force(&curve).distance, 3.0, 1e-15);
+    f[2] = -1; /* back from the zero it pulls: that is no change of sign */
+    check_relative(haft_contact_zero_force(&curve).distance, 5.0 / 6, 1e-15);
+    f[0] = -1;
+    assert_false(haft_contact_zero_force(&curve).found);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(capillary_gives_the_published_figures),
+        cmocka_unit_test(capillary_refuses_what_has_no_menisci),
+        cmocka_unit_test(modulus_of_two_bodies),
+        cmocka_unit_test(bad_arguments_are_refused),
+        cmocka_unit_test(curves_equal_the_plain_reckoning),
+        cmocka_unit_test(heights_on_a_distance_are_told_exactly),
+        cmocka_unit_test(curves_know_no_direction),
+        cmocka_unit_test(curves_shift_and_scale),
+        cmocka_unit_test(without_water_it_only_pushes),
+        cmocka_unit_test(a_cut_keeps_every_summit_once),
+        cmocka_unit_test(wet_area_adds_up_over_a_cut),
+        cmocka_unit_test(a_cut_through_roughness_becomes_fair),
+        cmocka_unit_test(a_flat_patch_pushes),
+        cmocka_unit_test(zero_force_is_the_outermost),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Morse and table laws: closed forms against independent expressions, ends, kinks and refusals. */
+#include "check.h"
+
+#include <complex.h>
+#include <float.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_integration.h>
+#include <gsl/gsl_roots.h>
+
+#include "haft/law.h"
+
+static double uniform(uint64_t k, uint64_t j, double low, double high) {
+    uint64_t words[4];
+    haft_random_words((haft_random_key){7, HAFT_RANDOM_TEST}, k, j, 0, words);
+    return low + (high - low) * haft_random_uniform(words[0]);
+}
+
+/* A vector anywhere in a range far wider than any surface gives, and its limit push. */
+static haft_law_vector draw(uint64_t k, double *f_limit) {
+    haft_law_vector v = {.f_max = pow(10, uniform(k, 0, 1, 8)),
+                         .d_max = uniform(k, 1, -1e-8, 3e-8)};
+    double width = pow(10, uniform(k, 2, -11, -7));
+    v.d_limit = v.d_max - width;
+    *f_limit = v.f_max * pow(10, uniform(k, 3, -2, 3));
+    double left = log(1 + sqrt(1 + *f_limit / v.f_max)) / width;
+    v.e = v.f_max / (2 * left) * (1 + pow(10, uniform(k, 4, -3, 3)));
+    return v;
+}
+
+static haft_law typical(void) {
+    haft_law law;
+    haft_law_vector v = {.e = 2.1e-3, .f_max = 4e5, .d_max = 1.1e-8, .d_limit = 7.5e-9};
+    assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_SOUND);
+    return law;
+}
+
+static void morse_gives_its_vector_back(void **state) {
+    (void)state;
+    for (uint64_t k = 0; k < 2000; k++) {
+        double f_limit;
+        haft_law_vector v = draw(k, &f_limit), back;
+        haft_law law;
+        assert_int_equal(haft_law_morse(&law, &v, f_limit), HAFT_LAW_SOUND);
+        back = haft_law_morse_vector(&law);
+        check_relative(back.e, v.e, 1e-12);
+        check_relative(back.f_max, v.f_max, 1e-12);
+        check_relative(back.d_max, v.d_max, 1e-12);
+        check_relative(back.d_limit, v.d_limit, 1e-12);
+    }
+}
+
+typedef struct probe {
+    const haft_law *law;
+    double origin, length, level;
+} probe;
+
+static double force_above_level(double x, void *parameters) {
+    const probe *p = parameters;
+    return haft_law_evaluate(p->law, p->origin + p->length * x).force / p->law->f_max - p->level;
+}
+
+static double pull_at(double x, void *parameters) {
+    return -force_above_level(x, parameters);
+}
+
+static double find_root(probe *p, double low, double high) {
+    gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    gsl_function f = {force_above_level, p};
+    gsl_root_fsolver_set(solver, &f, low, high);
+    for (int i = 0; i < 200; i++) {
+        gsl_root_fsolver_iterate(solver);
+        if (gsl_root_test_interval(gsl_root_fsolver_x_lower(solver),
+                                   gsl_root_fsolver_x_upper(solver), 0, 1e-15) == GSL_SUCCESS) {
+            break;
+        }
+    }
+    double root = gsl_root_fsolver_root(solver);
+    gsl_root_fsolver_free(solver);
+    return root;
+}
+
+static double integrate(gsl_function *f, double low, double high) {
+    gsl_integration_workspace *w = gsl_integration_workspace_alloc(1000);
+    double value = 0, miss = 0;
+    gsl_integration_qag(f, low, high, 0, 1e-13, 1000, GSL_INTEG_GAUSS61, w, &value, &miss);
+    gsl_integration_workspace_free(w);
+    return value;
+}
+
+/* The numbers measured on the law itself: energy by quadrature, limit by root finding. */
+static void morse_has_the_energy_and_limit_it_was_given(void **state) {
+    (void)state;
+    gsl_error_handler_t *old = gsl_set_error_handler_off();
+    for (uint64_t k = 0; k < 300; k++) {
+        double f_limit;
+        haft_law_vector v = draw(k, &f_limit);
+        haft_law law;
+        assert_int_equal(haft_law_morse(&law, &v, f_limit), HAFT_LAW_SOUND);
+        double width = v.d_max - v.d_limit, noise = 8 * DBL_EPSILON * fabs(v.d_max) / width;
+        probe p = {&law, v.d_max, width, f_limit / v.f_max};
+        check_near(find_root(&p, -1.5, 0), -1, 1e-12 + noise);
+        p.level = 0;
+        gsl_function pull = {pull_at, &p};
+        double e = integrate(&pull, find_root(&p, -1, 0), 0) * width;
+        p.length = 1 / law.a_right;
+        for (int i = 0; i < 40; i += 4) {
+            e += integrate(&pull, i, i + 4) / law.a_right;
+        }
+        check_relative(e * v.f_max, v.e, 1e-12 + 8 * noise);
+    }
+    gsl_set_error_handler(old);
+}
+
+/* The law written once more, plainly, for complex gaps: f'(d) = Im f(d + i s) / s to round-off. */
+static double complex plain_force(const haft_law *law, bool right, double complex d) {
+    double a = right ? law->a_right : law->a_left;
+    return law->f_max * (cexp(-2 * a * (d - law->d_max)) - 2 * cexp(-a * (d - law->d_max)));
+}
+
+static double complex plain_slope(const haft_law *law, bool right, double complex d) {
+    double a = right ? law->a_right : law->a_left;
+    return law->f_max *
+           (-2 * a * cexp(-2 * a * (d - law->d_max)) + 2 * a * cexp(-a * (d - law->d_max)));
+}
+
+static double complex plain_potential(const haft_law *law, bool right, double complex d) {
+    double a = right ? law->a_right : law->a_left;
+    double complex wing =
+        law->f_max * (cexp(-2 * a * (d - law->d_max)) - 4 * cexp(-a * (d - law->d_max))) / (2 * a);
+    return right ? wing : wing + 1.5 * law->f_max * (1 / law->a_left - 1 / law->a_right);
+}
+
+static void check_wing(const haft_law *law, bool right, double d) {
+    double a = right ? law->a_right : law->a_left, s = 1e-30 / a;
+    double size = cabs(plain_force(law, right, d)) + law->f_max * exp(-a * (d - law->d_max));
+    haft_law_value value = haft_law_evaluate(law, d);
+    double tolerance = 1e-12;
+    check_near(value.force, creal(plain_force(law, right, d)), tolerance * size);
+    check_near(value.force, -cimag(plain_potential(law, right, d + I * s)) / s, tolerance * size);
+    check_near(value.slope, cimag(plain_force(law, right, d + I * s)) / s, tolerance * size * a);
+    check_near(value.curvature, cimag(plain_slope(law, right, d + I * s)) / s,
+               3 * tolerance * size * a * a);
+    check_near(value.potential, creal(plain_potential(law, right, d)),
+               tolerance * (size / a + law->f_max * (1 / law->a_left + 1 / law->a_right)));
+}
+
+static void morse_derivatives_agree_with_a_complex_step(void **state) {
+    (void)state;
+    for (uint64_t k = 0; k < 300; k++) {
+        double f_limit;
+        haft_law_vector v = draw(k, &f_limit);
+        v.d_max -= v.d_limit, v.d_limit = 0; /* keeps d - d_max free of cancellation */
+        haft_law law;
+        assert_int_equal(haft_law_morse(&law, &v, f_limit), HAFT_LAW_SOUND);
+        for (uint64_t j = 10; j < 20; j++) {
+            check_wing(&law, true, v.d_max + uniform(k, j, 0, 10) / law.a_right);
+            check_wing(&law, false, uniform(k, j, 0, 1) * v.d_max);
+        }
+        check_wing(&law, true, v.d_max);
+        check_wing(&law, false, nextafter(v.d_max, 0));
+        check_wing(&law, false, 0);
+    }
+}
+
+static void check_continuous(const haft_law *law, double d, double length, double tolerance) {
+    double step = 4 * DBL_EPSILON * fabs(d);
+    haft_law_value a = haft_law_evaluate(law, d - step), b = haft_law_evaluate(law, d + step);
+    double size = law->f_max + fabs(a.force);
+    double slopes = size / length;
+    check_near(a.force, b.force, tolerance * size + 2 * step * fabs(a.slope));
+    check_near(a.slope, b.slope, tolerance * slopes + 2 * step * slopes / length);
+    check_near(a.potential, b.potential, tolerance * size * length + 2 * step * size);
+}
+
+static void morse_is_smooth_at_its_kinks(void **state) {
+    (void)state;
+    haft_law law = typical();
+    double length = 1 / fmax(law.a_left, law.a_right);
+    check_continuous(&law, law.d_max, length, 1e-11);
+    check_continuous(&law, law.wall_distance, length, 1e-11);
+    haft_law_value bottom = haft_law_evaluate(&law, law.d_max);
+    assert_true(bottom.force == -law.f_max && bottom.slope == 0);
+    haft_law_value above = haft_law_evaluate(&law, law.wall_distance);
+    haft_law_value below = haft_law_evaluate(&law, law.wall_distance - 1e-15);
+    assert_true(above.curvature > 0 && below.curvature == 0);
+    /* The potential is least, and equals -e, where the force vanishes. */
+    double zero = law.d_max - log(2) / law.a_left;
+    check_relative(haft_law_evaluate(&law, zero).potential, -haft_law_morse_vector(&law).e, 1e-14);
+    check_near(haft_law_evaluate(&law, zero).force, 0, 1e-9 * law.f_max);
+}
+
+static void the_wall_is_linear_and_nothing_overflows(void **state) {
+    (void)state;
+    haft_law law = typical();
+    haft_law_value at = haft_law_evaluate(&law, law.wall_distance);
+    for (double x = 1e-12; x < 1e101; x *= 10) {
+        haft_law_value deep = haft_law_evaluate(&law, law.wall_distance - x);
+        haft_law_value far = haft_law_evaluate(&law, law.d_max + x);
+        double depth = law.wall_distance - (law.wall_distance - x);
+        check_relative(deep.force, at.force - at.slope * depth, 1e-12);
+        check_relative(deep.slope, at.slope, 1e-12);
+        check_relative(deep.potential,
+                       at.potential + at.force * depth - at.slope * depth * depth / 2, 1e-12);
+        assert_true(far.force <= 0 && far.slope >= 0 && far.potential <= 0);
+        assert_true(isfinite(far.force) && isfinite(far.slope) && isfinite(far.curvature));
+    }
+    haft_law_value free = haft_law_evaluate(&law, 1e-4);
+    assert_true(free.force == 0 && free.slope == 0 && free.curvature == 0 && free.potential == 0);
+}
+
+static void the_bound_is_sharp(void **state) {
+    (void)state;
+    for (uint64_t k = 0; k < 200; k++) {
+        double f_limit;
+        haft_law_vector v = draw(k, &f_limit);
+        double left = log1p(sqrt(1 + f_limit / v.f_max)) / (v.d_max - v.d_limit);
+        haft_law law = {.f_max = -1};
+        v.e = v.f_max / (2 * left);
+        assert_int_equal(haft_law_morse(&law, &v, f_limit), HAFT_LAW_BOUND);
+        v.e = v.f_max / (2 * left) * (1 - 1e-12);
+        assert_int_equal(haft_law_morse(&law, &v, f_limit), HAFT_LAW_BOUND);
+        assert_true(law.f_max == -1);
+        v.e = v.f_max / (2 * left) * (1 + 1e-12);
+        assert_int_equal(haft_law_morse(&law, &v, f_limit), HAFT_LAW_SOUND);
+        check_relative(haft_law_morse_vector(&law).e, v.e, 1e-12);
+        assert_true(isfinite(haft_law_evaluate(&law, v.d_max + 1e-9).force));
+    }
+}
+
+static void morse_refuses_what_is_no_vector(void **state) {
+    (void)state;
+    const haft_law_vector good = {.e = 2e-3, .f_max = 4e5, .d_max = 1.1e-8, .d_limit = 7.5e-9};
+    haft_law law;
+    static const double bad[] = {0, -1, NAN, INFINITY};
+    for (int i = 0; i < 4; i++) {
+        haft_law_vector v = good;
+        v.e = bad[i];
+        assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_INVALID);
+        v = good;
+        v.f_max = bad[i];
+        assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_INVALID);
+        assert_int_equal(haft_law_morse(&law, &good, bad[i]), HAFT_LAW_INVALID);
+    }
+    haft_law_vector v = good;
+    v.d_limit = v.d_max;
+    assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_INVALID);
+    v.d_limit = -INFINITY;
+    assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_INVALID);
+    assert_int_equal(haft_law_morse(&law, &good, 5e6), HAFT_LAW_SOUND);
+}
+
+static void reach_inverts_the_pull(void **state) {
+    (void)state;
+    haft_law law = typical();
+    for (double share = 1e-12; share < 1; share *= 3) {
+        double d = haft_law_reach(&law, share);
+        assert_true(d > law.d_max);
+        check_relative(haft_law_evaluate(&law, d).force, -share * law.f_max, 1e-11);
+    }
+    assert_true(isnan(haft_law_reach(&law, 0)) && isnan(haft_law_reach(&law, 1)));
+    check_relative(haft_law_range(&law), fmin(1 / law.a_left, 1 / law.a_right), 1e-15);
+}
+
+/* A curve with a wall, one well and a tail, at even or uneven distances. */
+enum { POINTS = 40 };
+static void make_curve(double *x, double *f, bool even) {
+    haft_law law = typical();
+    for (int i = 0; i < POINTS; i++) {
+        double s = (double)i / (POINTS - 1);
+        x[i] = 7.3e-9 + 3.5e-8 * (even ? s : s * (0.4 + 0.6 * s));
+        f[i] = haft_law_evaluate(&law, x[i]).force;
+    }
+}
+
+static void a_table_passes_through_its_points_monotonely(void **state) {
+    (void)state;
+    for (int even = 0; even < 2; even++) {
+        double x[POINTS], f[POINTS];
+        make_curve(x, f, even);
+        haft_error error = {0};
+        haft_law_table *table = NULL;
+        check_ok(haft_law_table_create(&table, POINTS, x, f, &error), error);
+        haft_law law = haft_law_from_table(table);
+        assert_int_equal(law.kind, HAFT_LAW_TABLE);
+        for (int i = 0; i + 1 < POINTS; i++) {
+            check_near(haft_law_evaluate(&law, x[i]).force, f[i], 0);
+            double end = i + 2 < POINTS ? f[i + 1] : 0, last = f[i];
+            for (int j = 1; j <= 50; j++) {
+                double g = haft_law_evaluate(&law, x[i] + (x[i + 1] - x[i]) * j / 50).force;
+                assert_true((g - last) * (end - f[i]) >= -1e-12 * law.f_max * fabs(end - f[i]));
+                last = g;
+            }
+        }
+        haft_law_value past = haft_law_evaluate(&law, x[POINTS - 1]);
+        assert_true(past.force == 0 && past.slope == 0 && past.potential == 0);
+        haft_law_table_destroy(&table);
+        assert_null(table);
+        haft_law_table_destroy(&table);
+    }
+}
+
+/* Inside a piece Phi is a quartic and f a cubic: five-point differences are exact. */
+static void a_tables_derivatives_agree(void **state) {
+    (void)state;
+    double x[POINTS], f[POINTS];
+    make_curve(x, f, false);
+    haft_error error = {0};
+    haft_law_table *table = NULL;
+    check_ok(haft_law_table_create(&table, POINTS, x, f, &error), error);
+    haft_law law = haft_law_from_table(table);
+    for (int i = 0; i + 1 < POINTS; i++) {
+        double h = (x[i + 1] - x[i]) / 5, d = 0.5 * (x[i] + x[i + 1]);
+        haft_law_value v[5];
+        double size = 0, energy = 0;
+        for (int j = 0; j < 5; j++) {
+            v[j] = haft_law_evaluate(&law, d + (j - 2) * h);
+            size = fmax(size, fabs(v[j].force));
+            energy = fmax(energy, fabs(v[j].potential));
+        }
+#define DIFFERENCE(what) ((v[0].what - v[4].what + 8 * (v[3].what - v[1].what)) / (12 * h))
+        double rounding = 1e-15 / h;
+        check_near(DIFFERENCE(potential), -v[2].force, 1e-9 * size + 10 * rounding * energy);
+        check_near(DIFFERENCE(force), v[2].slope, 1e-9 * fabs(v[2].slope) + 10 * rounding * size);
+        check_near(DIFFERENCE(slope), v[2].curvature,
+                   1e-9 * fabs(v[2].curvature) + 10 * rounding * size / h);
+#undef DIFFERENCE
+        check_continuous(&law, x[i], h, 1e-10);
+    }
+    check_continuous(&law, x[POINTS - 1], x[POINTS - 1] - x[POINTS - 2], 1e-10);
+    haft_law_table_destroy(&table);
+}
+
+static void a_table_goes_on_as_a_wall(void **state) {
+    (void)state;
+    double x[POINTS], f[POINTS];
+    make_curve(x, f, true);
+    haft_error error = {0};
+    haft_law_table *table = NULL;
+    check_ok(haft_law_table_create(&table, POINTS, x, f, &error), error);
+    haft_law law = haft_law_from_table(table);
+    haft_law_value at = haft_law_evaluate(&law, x[0]);
+    assert_true(at.slope < 0 && law.wall_slope == at.slope && law.wall_force == f[0]);
+    for (double depth = 1e-12; depth < 1e101; depth *= 100) {
+        haft_law_value v = haft_law_evaluate(&law, x[0] - depth);
+        double t = x[0] - (x[0] - depth);
+        check_relative(v.force, at.force - at.slope * t, 1e-12);
+        check_relative(v.potential, at.potential + at.force * t - at.slope * t * t / 2, 1e-12);
+    }
+    double share = 0.3, d = haft_law_reach(&law, share);
+    assert_true(d > law.d_max);
+    check_relative(haft_law_evaluate(&law, d).force, -share * law.f_max, 1e-10);
+    assert_true(haft_law_range(&law) > 0 && haft_law_range(&law) < x[POINTS - 1] - x[0]);
+    haft_law_table_destroy(&table);
+    /* A rising start is held flat: the wall must not turn into a pull further down. */
+    double up[] = {1, 3, 1, -2, -1, 0}, gap[] = {0, 1, 2, 3, 4, 5};
+    check_ok(haft_law_table_create(&table, 6, gap, up, &error), error);
+    law = haft_law_from_table(table);
+    check_near(haft_law_evaluate(&law, -100).force, 1, 0);
+    haft_law_table_destroy(&table);
+}
+
+static void a_pushing_table_never_pulls(void **state) {
+    (void)state;
+    double x[] = {1, 2, 3, 4, 5, 6}, f[] = {9, 4, 1, 0, 0, 0};
+    haft_error error = {0};
+    haft_law_table *table = NULL;
+    check_ok(haft_law_table_create(&table, 6, x, f, &error), error);
+    haft_law law = haft_law_from_table(table);
+    assert_true(law.f_max == 0 && isnan(law.d_max));
+    check_near(haft_law_reach(&law, 0.5), 4, 0);
+    assert_true(haft_law_evaluate(&law, 2.5).force > 0 && haft_law_range(&law) > 0);
+    haft_law_table_destroy(&table);
+}
+
+static void check_refused(size_t n, const double *x, const double *f, haft_status status,
+                          const char *says) {
+    haft_error error = {0};
+    haft_law_table *table = NULL;
+    assert_int_equal(haft_law_table_create(&table, n, x, f, &error), status);
+    assert_null(table);
+    assert_non_null(strstr(error.message, says));
+}
+
+static void a_table_refuses_what_is_no_law(void **state) {
+    (void)state;
+    double x[] = {1, 2, 3, 4, 5}, f[] = {3, -4, -2, -1, 0};
+    check_refused(3, x, f, HAFT_ERROR_ARGUMENT, "at least 4");
+    f[4] = -0.21;
+    check_refused(5, x, f, HAFT_ERROR_INPUT, "died away");
+    f[4] = NAN;
+    check_refused(5, x, f, HAFT_ERROR_INPUT, "finite");
+    f[4] = 0, x[2] = 2;
+    check_refused(5, x, f, HAFT_ERROR_INPUT, "increasing");
+    x[2] = 3, f[0] = -1;
+    check_refused(5, x, f, HAFT_ERROR_INPUT, "needs a wall");
+    f[0] = 3, f[4] = -0.19;
+    haft_law_table *table = NULL;
+    haft_error error = {0};
+    check_ok(haft_law_table_create(&table, 5, x, f, &error), error);
+    haft_law law = haft_law_from_table(table);
+    check_near(haft_law_evaluate(&law, 5).force, 0, 0);
+    haft_law_table_destroy(&table);
+}
+
+static haft_law_fault fault_of(size_t n, const double *f, double f_limit) {
+    double x[16];
+    for (size_t i = 0; i < n; i++) {
+        x[i] = 5 + 0.5 * (double)i;
+    }
+    haft_law_vector v = {.e = -7};
+    haft_law_fault fault = haft_law_characterise(n, x, f, f_limit, &v);
+    assert_true((fault == HAFT_LAW_SOUND) == (v.e > 0));
+    return fault;
+}
+
+static void each_fault_is_told_apart(void **state) {
+    (void)state;
+    const double sound[] = {40, 10, -20, -60, -100, -70, -30, -4, 0};
+    assert_int_equal(fault_of(9, sound, 30), HAFT_LAW_SOUND);
+    assert_int_equal(fault_of(9, sound, 40), HAFT_LAW_SOUND);
+    assert_int_equal(fault_of(9, sound, 40.1), HAFT_LAW_RANGE_LEFT);
+    assert_int_equal(fault_of(8, sound, 30), HAFT_LAW_SOUND);
+    assert_int_equal(fault_of(7, sound, 30), HAFT_LAW_RANGE_RIGHT);
+    assert_int_equal(fault_of(5, sound, 30), HAFT_LAW_RANGE_RIGHT);
+    assert_int_equal(fault_of(3, sound, 30), HAFT_LAW_INVALID);
+    assert_int_equal(fault_of(9, sound, 0), HAFT_LAW_INVALID);
+    assert_int_equal(fault_of(9, sound, NAN), HAFT_LAW_INVALID);
+    const double push[] = {40, 10, 2, 0, 0, 0};
+    assert_int_equal(fault_of(6, push, 30), HAFT_LAW_NO_ATTRACTION);
+    const double left[] = {-100, -60, -20, -2, 0};
+    assert_int_equal(fault_of(5, left, 30), HAFT_LAW_RANGE_LEFT);
+    const double unknown[] = {40, 10, NAN, -60, -100, -70, 0};
+    assert_int_equal(fault_of(7, unknown, 30), HAFT_LAW_INVALID);
+    /* Barriers of 4 and 6 % of the greatest pull, on either side of it; noise in the push. */
+    const double shallow[] = {40, 50, 10, -46, -42, -100, -66, -70, -30, 0};
+    assert_int_equal(fault_of(10, shallow, 30), HAFT_LAW_SOUND);
+    const double right[] = {40, 10, -46, -42, -100, -64, -70, -30, 0};
+    assert_int_equal(fault_of(9, right, 30), HAFT_LAW_TWO_WELLS);
+    const double near[] = {40, 10, -46, -40, -100, -66, -70, -30, 0};
+    assert_int_equal(fault_of(9, near, 30), HAFT_LAW_TWO_WELLS);
+    const double apart[] = {40, -30, 10, -46, -100, -66, 0};
+    assert_int_equal(fault_of(7, apart, 30), HAFT_LAW_TWO_WELLS);
+    double uneven_x[] = {1, 2, 3, 4.1, 5}, uneven_f[] = {9, -1, -2, -1, 0};
+    haft_law_vector v;
+    assert_int_equal(haft_law_characterise(5, uneven_x, uneven_f, 5, &v), HAFT_LAW_INVALID);
+    for (int a = 0; a < HAFT_LAW_FAULTS; a++) {
+        for (int b = 0; b < a; b++) {
+            assert_string_not_equal(haft_law_fault_name(a), haft_law_fault_name(b));
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(morse_gives_its_vector_back),
+        cmocka_unit_test(morse_has_the_energy_and_limit_it_was_given),
+        cmocka_unit_test(morse_derivatives_agree_with_a_complex_step),
+        cmocka_unit_test(morse_is_smooth_at_its_kinks),
+        cmocka_unit_test(the_wall_is_linear_and_nothing_overflows),
+        cmocka_unit_test(the_bound_is_sharp),
+        cmocka_unit_test(morse_refuses_what_is_no_vector),
+        cmocka_unit_test(reach_inverts_the_pull),
+        cmocka_unit_test(a_table_passes_through_its_points_monotonely),
+        cmocka_unit_test(a_tables_derivatives_agree),
+        cmocka_unit_test(a_table_goes_on_as_a_wall),
+        cmocka_unit_test(a_pushing_table_never_pulls),
+        cmocka_unit_test(a_table_refuses_what_is_no_law),
+        cmocka_unit_test(each_fault_is_told_apart),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
