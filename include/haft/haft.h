@@ -10,6 +10,7 @@
 #include "haft/io.h"
 #include "haft/law.h"
 #include "haft/solve.h"
+#include "haft/study.h"
 #include "haft/surface.h"
 
 #endif

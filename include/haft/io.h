@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /** @file io.h
- *  Cases (strict YAML with units), laws and results (HDF5, written whole or not at all), CSV. */
+ *  Cases (strict YAML with units), laws and results (HDF5, written whole or not at all), CSV.
+ *
+ *  Functions on laws and results call the serial HDF5 library, which is not thread-safe: one thread
+ *  at a time in all of them together, distinct files or not. haft_case_read() loads a units
+ *  database (see haft_units): one thread at a time too. The others are thread-safe.
+ *
+ *  A data file is HDF5 behind 512 bytes that hold its length and checksum; HDF5 skips them (they
+ *  are a user block). But for /summary/seconds, the same contents make the same bytes. */
 #ifndef HAFT_IO_H
 #define HAFT_IO_H
 
@@ -34,7 +41,7 @@ typedef struct haft_case {
     struct {
         haft_psd psd;
         double grid_step;        /**< [m] */
-        double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-6 */
+        double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-5 */
     } surface;
 
     struct {
@@ -74,7 +81,13 @@ typedef struct haft_case {
 } haft_case;
 
 /** Reads and resolves `path`, the case.yaml of a case directory. All that is wrong is told at once,
- *  a line each: "FILE:LINE:COLUMN: KEY: what is wrong; what would be right".
+ *  a line each, in the order of the file: "FILE:LINE:COLUMN: KEY: what is wrong; what would be
+ *  right", and "and N more" where the message is full. A file that is no plain YAML document
+ *  (syntax, anchors, tags, a second document, not UTF-8) is told by its first fault.
+ *
+ *  Absent: path, output, reference and load.limit take their defaults (load_limit INFINITY, the
+ *  reference NaN); contact.capillary means dry contact (has_capillary false, its fields 0);
+ *  beam.element_length is required for a uniform mesh alone (else 0).
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);
@@ -83,7 +96,9 @@ void haft_case_destroy(haft_case **c);
  *  haft_memory_free(). */
 haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
 
-/** Digest of all that the laws depend on: what must not change for laws.h5 to stay valid. */
+/** Digest of all that the laws depend on (surface, contact, f_limit, sampler, the beam's length and
+ *  width, l_meso, realizations, seed, the program's version): what must not change for laws.h5 to
+ *  stay valid. */
 haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
                                   haft_error *error) HAFT_MUST_CHECK;
 
@@ -106,12 +121,17 @@ haft_status haft_laws_create(haft_laws **out, size_t m, size_t n,
                              haft_error *error) HAFT_MUST_CHECK;
 void haft_laws_destroy(haft_laws **laws);
 
-/** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it.
- *  Nothing is left behind by a failure. @param[in] c its resolved text and digests go with it. */
+/** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it over
+ *  what is there. Nothing is left behind by a failure. It is made in memory, at twice its size
+ *  for a moment. @param[in] c its resolved text and digests go with it.
+ *  @return HAFT_ERROR_ARGUMENT if m is no multiple of sites, HAFT_ERROR_IO (a full disk too),
+ *  HAFT_ERROR_MEMORY or HAFT_ERROR_LIBRARY. */
 haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const char *path,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Reads and checks laws.h5: signature, layout version, shapes, finiteness.
+/** Reads and checks laws.h5: checksum, signature, layout version, shapes, finiteness (forces and
+ *  distances, and the vectors of sound laws). A file rewritten by another HDF5 tool has no checksum
+ *  and is read without that guard.
  *  @param[out] digest may be NULL: the digest of the inputs it was built from.
  *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged; the
  *  message says how to build it anew. */
@@ -125,34 +145,43 @@ typedef struct haft_summary {
     double gamma;            /**< Eq. 36 [J/m^2]; 0 if free */
     double work, dissipated; /**< [J] */
     double ledger_error;
-    double seconds;
+    double seconds;          /**< time taken; the one number that is not reproducible */
     int outcome; /**< a haft_outcome */
     int jumps, steps;
     int unfit; /**< sites whose curve no Morse law fits */
 } haft_summary;
 
 /** A results file being written: one realization after another, in any order, by one thread at a
- *  time. Nothing shows under `path` before haft_results_finish(). */
+ *  time. Nothing shows under `path` before haft_results_finish(); until then all is held in memory
+ *  (80 bytes a path point, 16 bytes a node and point of evidence; at the end twice that). */
 typedef struct haft_results haft_results;
 
-/** @param[in] overwrite false: HAFT_ERROR_EXISTS if `path` is there, before anything is written. */
+/** Makes the temporary file PATH.tmp.PID, so that a folder that cannot be written is told at once.
+ *  @param[in] laws_digest may be NULL: unknown
+ *  @param[in] overwrite false: HAFT_ERROR_EXISTS if `path` is there, before anything is written, or
+ *  if another process has made it by the time of haft_results_finish(). */
 haft_status haft_results_create(haft_results **out, const char *path, const haft_case *c,
                                 const char *laws_digest, bool overwrite,
                                 haft_error *error) HAFT_MUST_CHECK;
 
-/** Adds /realizations/K: its path and jumps, and its evidence where the case asks for it. */
+/** Adds /realizations/K: its path and jumps, and its evidence where the case asks for it (then the
+ *  path must have kept its states). @param[in] laws, vectors one a site of the model
+ *  @return HAFT_ERROR_ARGUMENT for a realization out of range or added before, or for evidence
+ *  without states; any other failure lasts: only haft_results_abandon() is of use then. */
 haft_status haft_results_add(haft_results *results, size_t realization, const haft_path *path,
                              const haft_model *model, const haft_law *laws,
                              const haft_law_vector *vectors, const haft_summary *summary,
                              haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes /summary (realizations never added carry NaN and outcome -1), flushes and renames. */
+/** Writes /summary (realizations never added carry NaN, and -1 for outcome and counts), flushes and
+ *  renames. The handle is gone whatever comes of it; a failure leaves nothing behind. */
 haft_status haft_results_finish(haft_results **results, haft_error *error) HAFT_MUST_CHECK;
 
 /** Drops an unfinished file and its temporary name; NULL is allowed. */
 void haft_results_abandon(haft_results **results);
 
-/** What `haft plot` and `haft info` need of a results file. */
+/** What `haft plot` and `haft info` need of a results file. Reading it checks the whole file
+ *  against its checksum; the readers of one realization check the length alone. */
 typedef struct haft_results_view {
     size_t realizations;
     haft_summary *summary; /**< realizations */

@@ -31,10 +31,11 @@ typedef struct haft_psd_moments {
 
 /** Greenwood-Williamson parameters of the surface with given moments. */
 typedef struct haft_gw {
-    double alpha;             /**< bandwidth m0 m4 / m2^2 */
-    double radius;            /**< mean summit radius [m], (3/8) sqrt(pi/m4) */
-    double density;           /**< summits an area [1/m^2], m4 / (6 pi sqrt(3) m2) */
-    double summit_deviation;  /**< standard deviation of summit heights [m], sqrt(1-0.8968/alpha) sqrt(m0) */
+    double alpha;            /**< bandwidth m0 m4 / m2^2 */
+    double radius;           /**< mean summit radius [m], (3/8) sqrt(pi/m4) */
+    double density;          /**< summits an area [1/m^2], m4 / (6 pi sqrt(3) m2) */
+    double summit_deviation; /**< standard deviation of summit heights [m], sqrt(1-0.8968/alpha)
+                                sqrt(m0) */
 } haft_gw;
 
 /** Checks 0 < zeta_0 < zeta_max and 0 < s_1 <= s_0, all finite. */
@@ -55,8 +56,9 @@ haft_gw haft_gw_from_moments(haft_psd_moments moments);
  *  pi / lattice step >= zeta_max), numbered from the beam's corner and drawn by counter, is
  *  convolved with a kernel of compact support: the inverse transform of sqrt(s), tapered to zero at
  *  radius `reach`. A block transforms its own noise with a halo of that radius, multiplies by the
- *  kernel's transform, and interpolates to the fine grid by zero padding. So the field is
- *  stationary by construction, blocks join as if they were one, and any block can be had alone. The
+ *  kernel's transform over the fine grid, and interpolates by zero padding beyond zeta_max and what
+ *  the taper smears. So the field is stationary by construction, blocks join as if they were one,
+ *  any block can be had alone, and grids that share a lattice share their points. The
  *  reach is the smallest for which what the taper takes from the kernel's energy is below
  *  `tolerance`. Row i runs along the beam, column j across it. */
 typedef struct haft_surface_plan haft_surface_plan;
@@ -66,11 +68,11 @@ typedef struct haft_surface_work haft_surface_work;
 
 typedef struct haft_surface_spec {
     haft_psd psd;
-    double grid_step;  /**< fine grid [m], <= pi / zeta_max */
-    size_t rows;       /**< fine rows in a block (along the beam); a multiple of the lattice ratio */
-    size_t columns;    /**< fine columns (across the beam); a multiple of the lattice ratio */
-    double tolerance;  /**< energy the taper may take from the kernel, relative, 1e-9 to 0.1; 0 for
-                            1e-6 */
+    double grid_step; /**< fine grid [m], pi / (64 zeta_max) to pi / zeta_max */
+    size_t rows;      /**< fine rows in a block (along the beam); a multiple of the lattice ratio */
+    size_t columns;   /**< fine columns (across the beam); a multiple of the lattice ratio */
+    double tolerance; /**< energy the taper may take from the kernel, relative, 1e-9 to 0.1; 0 for
+                           1e-5 */
     haft_random_key key;
 } haft_surface_spec;
 
@@ -78,8 +80,9 @@ typedef struct haft_surface_spec {
  *  to carry the PSD's shortest wave. */
 size_t haft_surface_lattice_ratio(const haft_psd *psd, double grid_step);
 
-/** @return HAFT_ERROR_INPUT when the grid is coarser than pi / zeta_max or a size does not fit the
- *  lattice; the message names the nearest step or size that does. Not thread-safe (FFTW planner). */
+/** @return HAFT_ERROR_INPUT when the grid is coarser than pi / zeta_max (or 64 times finer), a size
+ *  does not fit the lattice, or the tolerance asks for a reach beyond 4000 / zeta_max; the message
+ *  names the nearest value that does. Not thread-safe (FFTW planner). */
 haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface_spec *spec,
                                      haft_error *error) HAFT_MUST_CHECK;
 void haft_surface_plan_destroy(haft_surface_plan **plan);

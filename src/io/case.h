@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The schema of case.yaml, and the reader that its parts share. Private to this room. */
+#ifndef HAFT_IO_CASE_H
+#define HAFT_IO_CASE_H
+
+#include "haft/io.h"
+
+enum {
+    HAFT_CASE_SIZE_LIMIT = 256 * 1024, /* bytes in a case file */
+    HAFT_CASE_DEPTH_LIMIT = 8,         /* of nesting; the schema needs 3 */
+    HAFT_KEY_CAPACITY = 64,            /* of a dotted path */
+    HAFT_EVIDENCE_LIMIT = 4096,        /* entries; keeps the resolved case within an attribute */
+};
+
+typedef enum haft_key_type {
+    HAFT_KEY_NAME,     /* letters, digits, . _ - */
+    HAFT_KEY_TEXT,     /* one line */
+    HAFT_KEY_SEED,     /* uint64_t */
+    HAFT_KEY_COUNT,    /* size_t */
+    HAFT_KEY_REAL,     /* double with a unit, or `count` of them in a list */
+    HAFT_KEY_CHOICE,   /* an enum whose values are the places in `choices` */
+    HAFT_KEY_EVIDENCE, /* a list of realizations, or "all" */
+} haft_key_type;
+
+/* One key: where it is written, what it may hold and where it goes. */
+typedef struct haft_key {
+    const char *path; /* dotted */
+    haft_key_type type;
+    const char *unit; /* SI, for reals */
+    double low, high; /* bounds of the value in that unit; a real must lie inside, and `low_in` says
+                         whether it may be `low` itself; `high` is in for counts, out for reals */
+    bool low_in, high_in;
+    const char *const *choices; /* ends in NULL */
+    const char *fallback;       /* read when the key is missing; NULL: the key is required; "none":
+                                   the field keeps what haft_case_preset() put there */
+    const char *example;        /* shown when the key is missing or of the wrong type */
+    size_t offset;              /* in haft_case */
+    size_t count;               /* reals in a list; 0: no list */
+    bool laws;                  /* the laws depend on it */
+} haft_key;
+
+typedef enum haft_section_kind {
+    HAFT_SECTION_REQUIRED,
+    HAFT_SECTION_OPTIONAL, /* if missing, its keys take their defaults */
+    HAFT_SECTION_SWITCH,   /* if missing, what it describes is turned off: contact.capillary */
+} haft_section_kind;
+
+typedef struct haft_section {
+    const char *path;
+    haft_section_kind kind;
+} haft_section;
+
+extern const haft_key haft_case_keys[];
+extern const size_t haft_case_key_count;
+extern const haft_section haft_case_sections[];
+extern const size_t haft_case_section_count;
+
+/* Bounds on how many keys and sections there are, for arrays beside them. */
+enum { HAFT_KEYS_MAX = 64, HAFT_SECTIONS_MAX = 16 };
+
+/* Place of a dotted path among the keys or sections, or -1. */
+int haft_case_find_key(const char *path);
+int haft_case_find_section(const char *path);
+
+/* Does `path` lie directly in `section` ("" for the top)? */
+bool haft_case_is_member(const char *path, const char *section);
+
+/* The last part of a dotted path. */
+const char *haft_case_leaf(const char *path);
+
+/* Length of a UTF-8 character that a case may hold (tab and line breaks included), 0 if there is
+ * none at `text`; *code is its code point. */
+size_t haft_case_character(const unsigned char *text, size_t size, uint32_t *code);
+
+/* Fields that stay as they are when a key with the fallback "none" is missing. */
+void haft_case_preset(haft_case *c);
+
+/* ---- what is wrong ---- */
+
+typedef struct haft_mark {
+    size_t line, column; /* from 1; 0: nowhere */
+} haft_mark;
+
+typedef struct haft_complaint {
+    haft_mark mark;
+    char text[512];
+} haft_complaint;
+
+enum { HAFT_COMPLAINTS_MAX = 128 };
+
+typedef enum haft_key_state { HAFT_UNSEEN, HAFT_DEFAULTED, HAFT_GOOD, HAFT_BAD } haft_key_state;
+
+/* A case being read. */
+typedef struct haft_case_reader {
+    haft_case *c;
+    const haft_units *units;
+    haft_key_state state[HAFT_KEYS_MAX];
+    haft_mark mark[HAFT_KEYS_MAX];
+    haft_mark section_mark[HAFT_SECTIONS_MAX];
+    haft_mark *evidence_mark; /* one an entry of the evidence */
+    size_t complaints;        /* all of them, kept or not */
+    haft_complaint complaint[HAFT_COMPLAINTS_MAX];
+    haft_error *error;   /* for failures that end the reading: memory */
+    haft_status failure; /* of such a kind */
+} haft_case_reader;
+
+/* Notes that the key at `path` is wrong at `mark`. */
+void haft_case_complain(haft_case_reader *reader, haft_mark mark, const char *path,
+                        const char *format, ...) HAFT_PRINTF(4, 5);
+
+/* Puts all complaints into an error, in order of their place, a line each. */
+haft_status haft_case_report(haft_case_reader *reader, const char *file, haft_error *error);
+
+/* The nearest of n words by edit distance, NULL if none is near. */
+const char *haft_case_nearest(const char *word, const char *const *words, size_t n);
+
+/* Reads a key's text (a scalar or one entry of a list) into the case; complains and returns false
+ * if it cannot be. `entry` counts the entries of a list of reals. */
+bool haft_case_store(haft_case_reader *reader, int key, size_t entry, const char *text,
+                     size_t length, haft_mark mark);
+
+/* Checks that need several keys at once. */
+void haft_case_cross_check(haft_case_reader *reader);
+
+#endif

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Checks of a case that need several keys at once. Each runs only where the keys it needs are sound
+ * by themselves, and names the nearest value that would do. "Divides" means to 1e-9, relative. */
+#include "case.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double DIVIDES = 1e-9;
+static const double PI = 3.14159265358979323846;
+
+enum {
+    LENGTH_CAPACITY = 40,
+    NEAREST_LIMIT = 2000000, /* counts tried in looking for the nearest length that divides */
+    DISTANCES_LEAST = 16,
+    DISTANCES_MOST = 1000000,
+    PATCHES_MOST = 1000000,
+};
+static const double PATCH_POINTS_MOST = 1e9;
+
+static bool sound(const haft_case_reader *reader, const char *path) {
+    int key = haft_case_find_key(path);
+    return key >= 0 && (reader->state[key] == HAFT_GOOD || reader->state[key] == HAFT_DEFAULTED);
+}
+
+static bool given(const haft_case_reader *reader, const char *path) {
+    int key = haft_case_find_key(path);
+    return key >= 0 && reader->state[key] == HAFT_GOOD;
+}
+
+static haft_mark place(const haft_case_reader *reader, const char *path) {
+    return reader->mark[haft_case_find_key(path)];
+}
+
+/* Complains of a key at its own place and counts it as unsound from then on. */
+#define WRONG(reader, path, ...)                                                                   \
+    do {                                                                                           \
+        haft_case_complain(reader, place(reader, path), path, __VA_ARGS__);                        \
+        (reader)->state[haft_case_find_key(path)] = HAFT_BAD;                                      \
+    } while (0)
+
+static const char *length_text(double length, char text[LENGTH_CAPACITY]) {
+    bool micro = fabs(length) >= 0.9999e-6;
+    snprintf(text, LENGTH_CAPACITY, "%.12g %s", length * (micro ? 1e6 : 1e9), micro ? "um" : "nm");
+    return text;
+}
+
+static bool divides(double part, double whole) {
+    double ratio = whole / part;
+    return ratio >= 1 - DIVIDES && fabs(ratio - round(ratio)) <= DIVIDES * ratio;
+}
+
+/* The nearest length to `part` that divides `whole` and is a multiple of `unit` (0: any); 0 if none
+ * was found. */
+static double nearest_part(double part, double whole, double unit) {
+    double start = fmax(1, round(whole / part));
+    double nearest = 0;
+    for (double k = 0; k < NEAREST_LIMIT; k++) {
+        for (int side = -1; side <= 1; side += 2) {
+            double candidate = start + side * k >= 1 ? whole / (start + side * k) : 0;
+            bool fits = candidate > 0 && (unit == 0 || divides(unit, candidate));
+            if (fits && (nearest == 0 || fabs(candidate - part) < fabs(nearest - part))) {
+                nearest = candidate;
+            }
+        }
+        /* The shorter side comes nearer by ever smaller steps: once it is farther, nothing is left
+         * but the longer side, whose steps grow. */
+        if (nearest > 0 && part - whole / (start + k - 1) > fabs(nearest - part)) {
+            break;
+        }
+    }
+    return nearest;
+}
+
+static void check_surface(haft_case_reader *reader, double *lattice) {
+    haft_case *c = reader->c;
+    const haft_psd *psd = &c->surface.psd;
+    *lattice = 0;
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY];
+    bool band = sound(reader, "surface.zeta_max") && sound(reader, "surface.zeta_0");
+    bool levels = sound(reader, "surface.s_0") && sound(reader, "surface.s_1");
+    if (band && psd->zeta_0 >= psd->zeta_max) {
+        WRONG(reader, "surface.zeta_0",
+              "%.6g rad/um is not below zeta_max; give less than %.6g "
+              "rad/um",
+              psd->zeta_0 * 1e-6, psd->zeta_max * 1e-6);
+        band = false;
+    }
+    if (levels && psd->s_1 > psd->s_0) {
+        WRONG(reader, "surface.s_1", "%.6g nm^4 is above the plateau s_0; give %.6g nm^4 at most",
+              psd->s_1 * 1e36, psd->s_0 * 1e36);
+        levels = false;
+    }
+    if (!band || !levels || !sound(reader, "surface.grid_step")) {
+        return;
+    }
+    size_t ratio = haft_surface_lattice_ratio(psd, c->surface.grid_step);
+    if (ratio == 0) {
+        WRONG(reader, "surface.grid_step",
+              "%s is too coarse for the shortest wave of the PSD; give "
+              "%s (pi/zeta_max) at most",
+              length_text(c->surface.grid_step, a),
+              length_text(floor(PI / psd->zeta_max * 1e13) * 1e-13, b));
+        return;
+    }
+    *lattice = (double)ratio * c->surface.grid_step;
+}
+
+static void check_grid(haft_case_reader *reader, double lattice) {
+    haft_case *c = reader->c;
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
+    double ratio = lattice / c->surface.grid_step;
+    if (sound(reader, "beam.width") && !divides(lattice, c->beam.width)) {
+        WRONG(reader, "beam.width",
+              "%s is no multiple of %s, which is %.0f surface.grid_step (the "
+              "coarsest that carries the PSD); nearest is %s",
+              length_text(c->beam.width, a), length_text(lattice, b), ratio,
+              length_text(fmax(1, round(c->beam.width / lattice)) * lattice, d));
+    }
+    if (sound(reader, "beam.l_meso") && !divides(lattice, c->mesh.l_meso)) {
+        double nearest = sound(reader, "beam.length")
+                             ? nearest_part(c->mesh.l_meso, c->beam.length, lattice)
+                             : 0;
+        if (nearest == 0) {
+            nearest = fmax(1, round(c->mesh.l_meso / lattice)) * lattice;
+        }
+        WRONG(reader, "beam.l_meso",
+              "%s is no multiple of %s, which is %.0f surface.grid_step (the "
+              "coarsest that carries the PSD); nearest is %s",
+              length_text(c->mesh.l_meso, a), length_text(lattice, b), ratio,
+              length_text(nearest, d));
+    }
+    double points = c->mesh.l_meso / c->surface.grid_step * (c->beam.width / c->surface.grid_step);
+    if (sound(reader, "beam.width") && sound(reader, "beam.l_meso") && points > PATCH_POINTS_MOST) {
+        WRONG(reader, "surface.grid_step",
+              "%s gives a patch %.3g points; at most %.0g can be "
+              "done, so give a coarser step",
+              length_text(c->surface.grid_step, a), points, PATCH_POINTS_MOST);
+    }
+}
+
+static void check_part(haft_case_reader *reader, const char *path, double part, double unit) {
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
+    double length = reader->c->beam.length;
+    if (!sound(reader, path) || part <= 0 || !sound(reader, "beam.length")) {
+        return;
+    }
+    if (!divides(part, length)) {
+        double nearest = nearest_part(part, length, unit);
+        WRONG(reader, path, "%s does not divide beam.length, %s; nearest is %s",
+              length_text(part, a), length_text(length, b),
+              length_text(nearest > 0 ? nearest : length, d));
+    } else if (length / part > PATCHES_MOST) {
+        WRONG(reader, path, "%s divides the beam into %.3g pieces; give %s at least",
+              length_text(part, a), length / part, length_text(length / PATCHES_MOST, b));
+    }
+}
+
+static void check_beam(haft_case_reader *reader, double lattice) {
+    const haft_case *c = reader->c;
+    bool missing = sound(reader, "beam.mesh") && c->mesh.kind == HAFT_MESH_UNIFORM &&
+                   sound(reader, "beam.element_length") && !given(reader, "beam.element_length");
+    if (missing && place(reader, "beam.element_length").line != 0) {
+        WRONG(reader, "beam.element_length",
+              "is missing; add \"element_length: 15 um\", or "
+              "\"mesh: exact\", which needs none");
+    }
+    check_part(reader, "beam.l_meso", c->mesh.l_meso, lattice);
+    check_part(reader, "beam.element_length", c->mesh.element_length, 0);
+}
+
+static void check_load(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
+    bool length = sound(reader, "beam.length");
+    if (sound(reader, "load.position") && length && c->mesh.load_position > c->beam.length) {
+        WRONG(reader, "load.position", "%s is off the beam; give %s (its end) at most",
+              length_text(c->mesh.load_position, a), length_text(c->beam.length, b));
+    }
+    if (!sound(reader, "load.crack_length")) {
+        return;
+    }
+    double crack = c->programme.crack_length;
+    if (length && crack >= c->beam.length) {
+        WRONG(reader, "load.crack_length", "%s is not shorter than the beam; give less than %s",
+              length_text(crack, a), length_text(c->beam.length, b));
+    } else if (length && sound(reader, "load.position") && crack <= c->mesh.load_position) {
+        WRONG(reader, "load.crack_length",
+              "%s is not beyond load.position; give more than %s and "
+              "less than %s",
+              length_text(crack, a), length_text(c->mesh.load_position, b),
+              length_text(c->beam.length, d));
+    }
+}
+
+static void check_distance(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
+    double from = c->contact.distance_from, to = c->contact.distance_to;
+    double step = c->contact.distance_step, range = to - from;
+    if (!sound(reader, "contact.distance.from") || !sound(reader, "contact.distance.to")) {
+        return;
+    }
+    if (range <= 0) {
+        WRONG(reader, "contact.distance.to", "%s is not above `from`; give more than %s",
+              length_text(to, a), length_text(from, b));
+        return;
+    }
+    if (sound(reader, "beam.gap") && to >= c->beam.gap) {
+        WRONG(reader, "contact.distance.to",
+              "%s reaches up to the beam at rest; give less than "
+              "beam.gap, %s",
+              length_text(to, a), length_text(c->beam.gap, b));
+    }
+    if (!sound(reader, "contact.distance.step")) {
+        return;
+    }
+    if (step > range / (DISTANCES_LEAST - 1) * (1 + DIVIDES)) {
+        WRONG(reader, "contact.distance.step", "%s gives fewer than %d distances; give %s at most",
+              length_text(step, a), DISTANCES_LEAST, length_text(range / (DISTANCES_LEAST - 1), b));
+    } else if (range / step > DISTANCES_MOST) {
+        WRONG(reader, "contact.distance.step", "%s gives %.3g distances; give %s at least",
+              length_text(step, a), range / step, length_text(range / DISTANCES_MOST, b));
+    } else if (!divides(step, range)) {
+        WRONG(reader, "contact.distance.step",
+              "%s does not divide the range from `from` to `to`, "
+              "%s; nearest is %s",
+              length_text(step, a), length_text(range, b),
+              length_text(nearest_part(step, range, 0), d));
+    }
+}
+
+static void check_evidence(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    if (!sound(reader, "output.evidence") || !sound(reader, "study.realizations")) {
+        return;
+    }
+    for (size_t i = 0; i < c->evidence.count; i++) {
+        if (c->evidence.realization[i] >= c->realizations) {
+            haft_case_complain(reader, reader->evidence_mark[i], "output.evidence",
+                               "there is no realization %zu; they count from 0, so give %zu at "
+                               "most",
+                               c->evidence.realization[i], c->realizations - 1);
+        }
+    }
+}
+
+void haft_case_cross_check(haft_case_reader *reader) {
+    double lattice = 0;
+    check_surface(reader, &lattice);
+    check_beam(reader, lattice);
+    if (lattice > 0) {
+        check_grid(reader, lattice);
+    }
+    check_load(reader);
+    check_distance(reader);
+    check_evidence(reader);
+}

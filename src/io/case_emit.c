@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The resolved case as text, and the digest of what the laws depend on. Both follow the schema: SI
+ * units, 17 digits (which determine a double), keys in the table's order. */
+#include "case.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const void *field_of(const haft_case *c, const haft_key *key) {
+    return (const char *)c + key->offset;
+}
+
+/* Is there anything to write? An optional number without a default may be absent. */
+static bool is_present(const haft_case *c, const haft_key *key) {
+    if (!c->contact.has_capillary && haft_case_is_member(key->path, "contact.capillary")) {
+        return false;
+    }
+    if (key->fallback == NULL || strcmp(key->fallback, "none") != 0) {
+        return true;
+    }
+    double value = 0;
+    memcpy(&value, field_of(c, key), sizeof value);
+    return isfinite(value) && value != 0;
+}
+
+static void write_quoted(FILE *stream, const char *text) {
+    fputc('"', stream);
+    for (; *text != '\0'; text++) {
+        if (*text == '"' || *text == '\\') {
+            fputc('\\', stream);
+        }
+        fputc(*text, stream);
+    }
+    fputc('"', stream);
+}
+
+static void write_real(FILE *stream, const haft_key *key, double value) {
+    bool pure = strcmp(key->unit, "1") == 0;
+    fprintf(stream, "%.17g%s%s", value, pure ? "" : " ", pure ? "" : key->unit);
+}
+
+static void write_reals(FILE *stream, const haft_key *key, const void *field) {
+    double value[4];
+    size_t n = key->count > 0 ? key->count : 1;
+    memcpy(value, field, n * sizeof *value);
+    fputs(key->count > 0 ? "[" : "", stream);
+    for (size_t i = 0; i < n; i++) {
+        fputs(i > 0 ? ", " : "", stream);
+        write_real(stream, key, value[i]);
+    }
+    fputs(key->count > 0 ? "]" : "", stream);
+}
+
+static void write_evidence(FILE *stream, const haft_case *c) {
+    if (c->evidence.all) {
+        fputs("all", stream);
+        return;
+    }
+    fputc('[', stream);
+    for (size_t i = 0; i < c->evidence.count; i++) {
+        fprintf(stream, "%s%zu", i > 0 ? ", " : "", c->evidence.realization[i]);
+    }
+    fputc(']', stream);
+}
+
+static void write_value(FILE *stream, const haft_case *c, const haft_key *key) {
+    const void *field = field_of(c, key);
+    switch (key->type) {
+    case HAFT_KEY_NAME:
+    case HAFT_KEY_TEXT:
+        write_quoted(stream, field);
+        break;
+    case HAFT_KEY_SEED: {
+        uint64_t value;
+        memcpy(&value, field, sizeof value);
+        fprintf(stream, "%" PRIu64, value);
+        break;
+    }
+    case HAFT_KEY_COUNT: {
+        size_t value;
+        memcpy(&value, field, sizeof value);
+        fprintf(stream, "%zu", value);
+        break;
+    }
+    case HAFT_KEY_REAL:
+        write_reals(stream, key, field);
+        break;
+    case HAFT_KEY_CHOICE: {
+        int value;
+        memcpy(&value, field, sizeof value);
+        fputs(key->choices[value], stream);
+        break;
+    }
+    case HAFT_KEY_EVIDENCE:
+        write_evidence(stream, c);
+        break;
+    }
+}
+
+/* Writes the lines that open the sections `path` lies in and that `last` does not. */
+static int open_sections(FILE *stream, const char *path, const char *last) {
+    int depth = 0;
+    const char *start = path;
+    for (const char *dot = strchr(path, '.'); dot != NULL; dot = strchr(start, '.')) {
+        size_t n = (size_t)(dot - path) + 1;
+        if (strncmp(path, last, n) != 0) {
+            fprintf(stream, "%*s%.*s:\n", 2 * depth, "", (int)(dot - start), start);
+        }
+        start = dot + 1;
+        depth++;
+    }
+    return depth;
+}
+
+static void write_case(FILE *stream, const haft_case *c) {
+    const char *last = "";
+    for (size_t i = 0; i < haft_case_key_count; i++) {
+        const haft_key *key = &haft_case_keys[i];
+        if (is_present(c, key)) {
+            int depth = open_sections(stream, key->path, last);
+            fprintf(stream, "%*s%s: ", 2 * depth, "", haft_case_leaf(key->path));
+            write_value(stream, c, key);
+            fputc('\n', stream);
+            last = key->path;
+        }
+    }
+}
+
+/* What the laws depend on, a line each; a new version of the program may compute them otherwise. */
+static void write_laws_inputs(FILE *stream, const haft_case *c) {
+    fprintf(stream, "haft: %s\n", haft_version());
+    for (size_t i = 0; i < haft_case_key_count; i++) {
+        const haft_key *key = &haft_case_keys[i];
+        if (key->laws && is_present(c, key)) {
+            fprintf(stream, "%s: ", key->path);
+            write_value(stream, c, key);
+            fputc('\n', stream);
+        }
+    }
+}
+
+/* Calls a writer on memory; *text is the stream's own, to be freed with free(). */
+static haft_status write_text(char **text, size_t *size, const haft_case *c,
+                              void (*write)(FILE *, const haft_case *), haft_error *error) {
+    FILE *stream = open_memstream(text, size);
+    if (stream == NULL) {
+        return haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for a case's text");
+    }
+    write(stream, c);
+    bool failed = ferror(stream) != 0;
+    failed = fclose(stream) != 0 || failed;
+    if (failed) {
+        free(*text);
+        *text = NULL;
+        return haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for a case's text");
+    }
+    return HAFT_OK;
+}
+
+haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) {
+    *text = NULL;
+    char *written = NULL;
+    size_t size = 0;
+    haft_status status = write_text(&written, &size, c, write_case, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    *text = haft_memory_alloc(size + 1, 1, error);
+    if (*text != NULL) {
+        memcpy(*text, written, size);
+    }
+    free(written);
+    return *text == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+}
+
+haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
+                                  haft_error *error) {
+    char *written = NULL;
+    size_t size = 0;
+    haft_status status = write_text(&written, &size, c, write_laws_inputs, error);
+    if (status == HAFT_OK) {
+        haft_digest_memory(written, size, digest);
+        free(written);
+    }
+    return status;
+}

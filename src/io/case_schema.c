@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a case.yaml may hold, as one table: reading, defaults, the resolved case and the digest of
+ * the laws' inputs all follow it. A default is written as a user would write it and is read by the
+ * same code. */
+#include "case.h"
+
+#include <math.h>
+#include <string.h>
+
+#define AT(field) offsetof(haft_case, field)
+#define POSITIVE .low = 0, .high = INFINITY
+#define SHARE .low = 0, .high = 1
+
+static const char *const asperities[] = {"summits", "islands", NULL};
+static const char *const kinds[] = {"morse", "table", NULL};
+static const char *const unfits[] = {"table", "stop", NULL};
+static const char *const samplers[] = {"explicit", "patches", NULL};
+static const char *const meshes[] = {"uniform", "exact", NULL};
+
+/* A choice is stored through an int, and a pair as two doubles in a row. */
+_Static_assert(sizeof(haft_asperity_model) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_law_kind) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_unfit) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_sampler) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_mesh_kind) == sizeof(int), "enums are ints");
+_Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
+_Static_assert(HAFT_LAW_MORSE == 0 && HAFT_LAW_TABLE == 1, "order of choices");
+_Static_assert(HAFT_UNFIT_TABLE == 0 && HAFT_UNFIT_STOP == 1, "order of choices");
+_Static_assert(HAFT_SAMPLER_EXPLICIT == 0 && HAFT_SAMPLER_PATCHES == 1, "order of choices");
+_Static_assert(HAFT_MESH_UNIFORM == 0 && HAFT_MESH_EXACT == 1, "order of choices");
+_Static_assert(offsetof(haft_capillary_spec, contact_angle_2) ==
+                   offsetof(haft_capillary_spec, contact_angle_1) + sizeof(double),
+               "the angles are neighbours");
+
+const haft_section haft_case_sections[] = {
+    {"surface", HAFT_SECTION_REQUIRED},
+    {"contact", HAFT_SECTION_REQUIRED},
+    {"contact.capillary", HAFT_SECTION_SWITCH},
+    {"contact.distance", HAFT_SECTION_REQUIRED},
+    {"law", HAFT_SECTION_REQUIRED},
+    {"beam", HAFT_SECTION_REQUIRED},
+    {"load", HAFT_SECTION_REQUIRED},
+    {"path", HAFT_SECTION_OPTIONAL},
+    {"study", HAFT_SECTION_REQUIRED},
+    {"output", HAFT_SECTION_OPTIONAL},
+    {"reference", HAFT_SECTION_OPTIONAL},
+};
+const size_t haft_case_section_count = sizeof haft_case_sections / sizeof *haft_case_sections;
+
+#define REAL(where, dimension, ...)                                                                \
+    { .path = where, .type = HAFT_KEY_REAL, .unit = dimension, __VA_ARGS__ }
+#define CHOICE(where, words, ...)                                                                  \
+    { .path = where, .type = HAFT_KEY_CHOICE, .choices = words, __VA_ARGS__ }
+#define COUNT(where, ...)                                                                          \
+    { .path = where, .type = HAFT_KEY_COUNT, .low_in = true, .high_in = true, __VA_ARGS__ }
+
+/* The keys of a section stand together, sections in the order of the table above. */
+const haft_key haft_case_keys[] = {
+    {.path = "name", .type = HAFT_KEY_NAME, .example = "my-case", .offset = AT(name)},
+    {.path = "title",
+     .type = HAFT_KEY_TEXT,
+     .fallback = "",
+     .example = "My case",
+     .offset = AT(title)},
+    {.path = "seed", .type = HAFT_KEY_SEED, .example = "1", .offset = AT(seed), .laws = true},
+
+    REAL("surface.zeta_max", "rad/m", POSITIVE, .example = "289 rad/um",
+         .offset = AT(surface.psd.zeta_max), .laws = true),
+    REAL("surface.zeta_0", "rad/m", POSITIVE, .example = "19.4 rad/um",
+         .offset = AT(surface.psd.zeta_0), .laws = true),
+    REAL("surface.s_0", "m^4", POSITIVE, .example = "6.46e3 nm^4", .offset = AT(surface.psd.s_0),
+         .laws = true),
+    REAL("surface.s_1", "m^4", POSITIVE, .example = "6.46e-3 nm^4", .offset = AT(surface.psd.s_1),
+         .laws = true),
+    REAL("surface.grid_step", "m", POSITIVE, .example = "5 nm", .offset = AT(surface.grid_step),
+         .laws = true),
+    REAL("surface.kernel_tolerance", "1", SHARE, .fallback = "1e-5", .example = "1e-5",
+         .offset = AT(surface.kernel_tolerance), .laws = true),
+
+    CHOICE("contact.asperities", asperities, .example = "islands", .offset = AT(contact.asperities),
+           .laws = true),
+    REAL("contact.young_modulus", "Pa", POSITIVE, .example = "163 GPa",
+         .offset = AT(contact.young_modulus), .laws = true),
+    REAL("contact.poisson_ratio", "1", .low = 0, .low_in = true, .high = 0.5, .example = "0.22",
+         .offset = AT(contact.poisson_ratio), .laws = true),
+    REAL("contact.capillary.humidity", "1", SHARE, .example = "85 %",
+         .offset = AT(contact.capillary.humidity), .laws = true),
+    REAL("contact.capillary.temperature", "K", POSITIVE, .fallback = "300 K", .example = "300 K",
+         .offset = AT(contact.capillary.temperature), .laws = true),
+    REAL("contact.capillary.surface_energy", "N/m", POSITIVE, .fallback = "72 mN/m",
+         .example = "72 mN/m", .offset = AT(contact.capillary.surface_energy), .laws = true),
+    REAL("contact.capillary.molar_volume", "m^3/mol", POSITIVE, .fallback = "18 cm^3/mol",
+         .example = "18 cm^3/mol", .offset = AT(contact.capillary.molar_volume), .laws = true),
+    REAL("contact.capillary.contact_angles", "rad", .low = 0, .low_in = true,
+         .high = 1.5707963267948966, .count = 2, .fallback = "0 deg", .example = "[0 deg, 0 deg]",
+         .offset = AT(contact.capillary.contact_angle_1), .laws = true),
+    REAL("contact.distance.from", "m", .low = 0, .low_in = true, .high = INFINITY,
+         .example = "3 nm", .offset = AT(contact.distance_from), .laws = true),
+    REAL("contact.distance.to", "m", POSITIVE, .example = "28 nm",
+         .offset = AT(contact.distance_to), .laws = true),
+    REAL("contact.distance.step", "m", POSITIVE, .example = "0.1 nm",
+         .offset = AT(contact.distance_step), .laws = true),
+
+    CHOICE("law.kind", kinds, .example = "morse", .offset = AT(law.kind)),
+    REAL("law.f_limit", "Pa", POSITIVE, .example = "5 MPa", .offset = AT(law.f_limit),
+         .laws = true),
+    CHOICE("law.unfit", unfits, .fallback = "table", .example = "table", .offset = AT(law.unfit)),
+    CHOICE("law.sampler", samplers, .fallback = "explicit", .example = "explicit",
+           .offset = AT(law.sampler), .laws = true),
+
+    REAL("beam.length", "m", POSITIVE, .example = "600 um", .offset = AT(beam.length),
+         .laws = true),
+    REAL("beam.width", "m", POSITIVE, .example = "30 um", .offset = AT(beam.width), .laws = true),
+    REAL("beam.thickness", "m", POSITIVE, .example = "2.62 um", .offset = AT(beam.thickness)),
+    REAL("beam.gap", "m", POSITIVE, .example = "1.9 um", .offset = AT(beam.gap)),
+    REAL("beam.young_modulus", "Pa", POSITIVE, .example = "163 GPa",
+         .offset = AT(beam.young_modulus)),
+    REAL("beam.l_meso", "m", POSITIVE, .example = "3 um", .offset = AT(mesh.l_meso), .laws = true),
+    CHOICE("beam.mesh", meshes, .fallback = "uniform", .example = "uniform",
+           .offset = AT(mesh.kind)),
+    /* Required for a uniform mesh alone: see the cross checks. */
+    REAL("beam.element_length", "m", POSITIVE, .fallback = "none", .example = "15 um",
+         .offset = AT(mesh.element_length)),
+
+    REAL("load.position", "m", POSITIVE, .example = "60 um", .offset = AT(mesh.load_position)),
+    REAL("load.crack_length", "m", POSITIVE, .example = "120 um",
+         .offset = AT(programme.crack_length)),
+    REAL("load.crack_threshold", "1", SHARE, .fallback = "1 %", .example = "1 %",
+         .offset = AT(programme.crack_threshold)),
+    REAL("load.limit", "N", POSITIVE, .fallback = "none", .example = "1 mN",
+         .offset = AT(programme.load_limit)),
+
+    REAL("path.gap_step", "1", .low = 0, .high = 1, .high_in = true, .fallback = "0.25",
+         .example = "0.25", .offset = AT(path.gap_step)),
+    REAL("path.ledger_tolerance", "1", SHARE, .fallback = "1e-10", .example = "1e-10",
+         .offset = AT(path.ledger_tolerance)),
+    REAL("path.residual_tolerance", "1", SHARE, .fallback = "1e-11", .example = "1e-11",
+         .offset = AT(path.residual_tolerance)),
+    REAL("path.flow_step", "1", SHARE, .fallback = "0.02", .example = "0.02",
+         .offset = AT(path.flow_step)),
+    COUNT("path.step_limit", .low = 1, .high = 1e12, .fallback = "200000", .example = "200000",
+          .offset = AT(path.step_limit)),
+
+    COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations),
+          .laws = true),
+
+    {.path = "output.evidence",
+     .type = HAFT_KEY_EVIDENCE,
+     .fallback = "[]",
+     .example = "[0]",
+     .offset = AT(evidence)},
+
+    REAL("reference.paper_crack_length", "m", POSITIVE, .fallback = "none", .example = "219 um",
+         .offset = AT(reference.paper_crack_length)),
+    REAL("reference.measured_crack_length", "m", POSITIVE, .fallback = "none", .example = "200 um",
+         .offset = AT(reference.measured_crack_length)),
+};
+const size_t haft_case_key_count = sizeof haft_case_keys / sizeof *haft_case_keys;
+_Static_assert(sizeof haft_case_keys / sizeof *haft_case_keys <= HAFT_KEYS_MAX, "room for keys");
+_Static_assert(sizeof haft_case_sections / sizeof *haft_case_sections <= HAFT_SECTIONS_MAX,
+               "room for sections");
+
+void haft_case_preset(haft_case *c) {
+    c->programme.load_limit = INFINITY;
+    c->reference.paper_crack_length = NAN;
+    c->reference.measured_crack_length = NAN;
+}
+
+int haft_case_find_key(const char *path) {
+    for (size_t i = 0; i < haft_case_key_count; i++) {
+        if (strcmp(haft_case_keys[i].path, path) == 0) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
+int haft_case_find_section(const char *path) {
+    for (size_t i = 0; i < haft_case_section_count; i++) {
+        if (strcmp(haft_case_sections[i].path, path) == 0) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
+bool haft_case_is_member(const char *path, const char *section) {
+    size_t n = strlen(section);
+    if (n > 0) {
+        if (strncmp(path, section, n) != 0 || path[n] != '.') {
+            return false;
+        }
+        path += n + 1;
+    }
+    return strchr(path, '.') == NULL;
+}
+
+const char *haft_case_leaf(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot == NULL ? path : dot + 1;
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* HDF5 as this room uses it: files made in memory, tables by columns, every dataset with its unit
+ * and description. Failures stick: after the first, further calls do nothing. The serial HDF5
+ * library is not thread-safe: one thread at a time. Private to this room. */
+#ifndef HAFT_IO_HDF_H
+#define HAFT_IO_HDF_H
+
+#include "haft/io.h"
+#include "store.h"
+
+#include <hdf5.h>
+
+/* A file or a group being written or read. */
+typedef struct haft_hdf {
+    hid_t file;
+    const char *path;   /* for messages */
+    const char *remedy; /* what to do about a file that cannot be read */
+    size_t file_bytes;  /* of a file being read */
+    haft_status status;
+    haft_error *error;
+} haft_hdf;
+
+/* HDF5's own printing of errors, turned off between these two. */
+typedef struct haft_hdf_voice {
+    H5E_auto2_t function;
+    void *data;
+} haft_hdf_voice;
+haft_hdf_voice haft_hdf_hush(void);
+void haft_hdf_unhush(haft_hdf_voice voice);
+
+/* Notes a failure of the library, with the innermost message of its own. */
+void haft_hdf_fail(haft_hdf *hdf, const char *what);
+
+/* Notes that a file being read holds something else than it should. */
+void haft_hdf_refuse(haft_hdf *hdf, const char *format, ...) HAFT_PRINTF(2, 3);
+
+typedef enum haft_hdf_type { HAFT_HDF_REAL, HAFT_HDF_INT } haft_hdf_type;
+
+/* One dataset that is a member of a C struct, row after row. */
+typedef struct haft_hdf_column {
+    const char *name;
+    haft_hdf_type type;
+    size_t offset;
+    const char *unit, *description;
+} haft_hdf_column;
+
+/* ---- writing: hdf_write.c ---- */
+
+void haft_hdf_begin(haft_hdf *hdf);
+void haft_hdf_drop(haft_hdf *hdf);
+
+/* Writes a dataset; groups on the way are made. `value` is double[] or int[] by type. */
+void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
+                    const hsize_t *dims, const void *value, const char *unit,
+                    const char *description);
+
+/* Writes columns of n structs into a group. */
+void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
+                            const haft_hdf_column *column, const void *rows, size_t stride,
+                            size_t n);
+
+void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, const char *text);
+void haft_hdf_write_real(haft_hdf *hdf, const char *object, const char *name, double value);
+void haft_hdf_write_count(haft_hdf *hdf, const char *object, const char *name, uint64_t value);
+
+/* Root attributes: what this is and where it comes from. */
+void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c,
+                           const char *laws_digest);
+
+/* Puts the file in memory into a store, under a checksum, and commits it; closes both. */
+haft_status haft_hdf_store(haft_hdf *hdf, haft_store *store);
+
+/* ---- reading: hdf_read.c ---- */
+
+/* Opens a file and checks format and layout version. With `verify` its checksum too, which reads it
+ * whole: damage is then found before the library sees it. */
+haft_status haft_hdf_open(haft_hdf *hdf, const char *path, const char *format, bool verify,
+                          haft_error *error);
+void haft_hdf_close(haft_hdf *hdf);
+
+bool haft_hdf_has(haft_hdf *hdf, const char *path);
+
+/* Shape of a dataset of the given rank; each extent at least 0, and no more data than the file can
+ * hold. */
+void haft_hdf_shape(haft_hdf *hdf, const char *path, int rank, size_t *dims);
+
+/* Reads a dataset that must have this shape. */
+void haft_hdf_read(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
+                   const size_t *dims, void *value);
+
+/* Reads columns of n structs. */
+void haft_hdf_read_columns(haft_hdf *hdf, const char *group, size_t columns,
+                           const haft_hdf_column *column, void *rows, size_t stride, size_t n);
+
+/* *text is freed with haft_memory_free(). */
+void haft_hdf_read_text(haft_hdf *hdf, const char *object, const char *name, char **text);
+void haft_hdf_read_real(haft_hdf *hdf, const char *object, const char *name, double *value);
+void haft_hdf_read_count(haft_hdf *hdf, const char *object, const char *name, uint64_t *value);
+
+/* The checked header in front of a file: HDF5 skips it as its user block. */
+enum { HAFT_HDF_HEADER = 512, HAFT_HDF_LAYOUT = 1 };
+void haft_hdf_make_header(char header[HAFT_HDF_HEADER], uint64_t size, const char *digest);
+
+/* Formats, as in the root attribute `format`. */
+#define HAFT_HDF_LAWS "haft-laws"
+#define HAFT_HDF_RESULTS "haft-results"
+
+/* Columns of a path's points and jumps, for the writer and the reader of results. */
+extern const haft_hdf_column haft_hdf_point_columns[], haft_hdf_jump_columns[],
+    haft_hdf_summary_columns[];
+extern const size_t haft_hdf_point_column_count, haft_hdf_jump_column_count,
+    haft_hdf_summary_column_count;
+
+#endif

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Files are made in memory (HDF5's core driver) and then written by plain writes, under a header
+ * with a checksum: so a full disk is an ordinary error, which HDF5 on a file would not survive, and
+ * a damaged file is known before HDF5 reads it. The cost is memory of the file's size. No object
+ * bears a time, so that the same contents make the same bytes. */
+#include "hdf.h"
+
+#include <stdio.h>
+#include <string.h>
+
+haft_hdf_voice haft_hdf_hush(void) {
+    haft_hdf_voice voice = {NULL, NULL};
+    H5Eget_auto2(H5E_DEFAULT, &voice.function, &voice.data);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    return voice;
+}
+
+void haft_hdf_unhush(haft_hdf_voice voice) {
+    H5Eset_auto2(H5E_DEFAULT, voice.function, voice.data);
+}
+
+static herr_t keep_first(unsigned n, const H5E_error2_t *entry, void *data) {
+    const char **message = data;
+    if (n == 0 && entry->desc != NULL) {
+        *message = entry->desc;
+    }
+    return 0;
+}
+
+void haft_hdf_fail(haft_hdf *hdf, const char *what) {
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    const char *message = "no reason given";
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &message);
+    hdf->status = haft_error_set(hdf->error, HAFT_ERROR_LIBRARY, "%s: HDF5 cannot make %s: %s",
+                                 hdf->path, what, message);
+}
+
+void haft_hdf_begin(haft_hdf *hdf) {
+    hdf->file = -1;
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_FILE_CREATE);
+    if (access >= 0 && creation >= 0 && H5Pset_fapl_core(access, 1 << 20, 0) >= 0 &&
+        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
+        H5Pset_obj_track_times(creation, 0) >= 0) {
+        hdf->file = H5Fcreate(hdf->path, H5F_ACC_TRUNC, creation, access);
+    }
+    if (hdf->file < 0) {
+        haft_hdf_fail(hdf, "a file in memory");
+    }
+    H5Pclose(creation);
+    H5Pclose(access);
+}
+
+void haft_hdf_drop(haft_hdf *hdf) {
+    if (hdf->file >= 0) {
+        H5Fclose(hdf->file);
+        hdf->file = -1;
+    }
+}
+
+/* ---- attributes ---- */
+
+static void write_attribute(haft_hdf *hdf, const char *object, const char *name, hid_t stored,
+                            hid_t given, const void *value) {
+    hid_t space = H5Screate(H5S_SCALAR);
+    hid_t attribute = H5Acreate_by_name(hdf->file, object, name, stored, space, H5P_DEFAULT,
+                                        H5P_DEFAULT, H5P_DEFAULT);
+    if (attribute < 0 || H5Awrite(attribute, given, value) < 0) {
+        haft_hdf_fail(hdf, name);
+    }
+    if (attribute >= 0) {
+        H5Aclose(attribute);
+    }
+    H5Sclose(space);
+}
+
+void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, const char *text) {
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    hid_t type = H5Tcopy(H5T_C_S1);
+    if (type < 0 || H5Tset_size(type, strlen(text) + 1) < 0 ||
+        H5Tset_cset(type, H5T_CSET_UTF8) < 0) {
+        haft_hdf_fail(hdf, name);
+    } else {
+        write_attribute(hdf, object, name, type, type, text);
+    }
+    if (type >= 0) {
+        H5Tclose(type);
+    }
+}
+
+void haft_hdf_write_real(haft_hdf *hdf, const char *object, const char *name, double value) {
+    if (hdf->status == HAFT_OK) {
+        write_attribute(hdf, object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+    }
+}
+
+void haft_hdf_write_count(haft_hdf *hdf, const char *object, const char *name, uint64_t value) {
+    if (hdf->status == HAFT_OK) {
+        write_attribute(hdf, object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
+    }
+}
+
+void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c,
+                           const char *laws_digest) {
+    char *text = NULL;
+    char digest[HAFT_DIGEST_CAPACITY], hdf5[64];
+    unsigned major = 0, minor = 0, release = 0;
+    if (hdf->status == HAFT_OK) {
+        hdf->status = haft_case_emit(&text, c, hdf->error);
+    }
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    haft_digest_memory(text, strlen(text), digest);
+    H5get_libversion(&major, &minor, &release);
+    snprintf(hdf5, sizeof hdf5, "%u.%u.%u", major, minor, release);
+    haft_hdf_write_text(hdf, "/", "format", format);
+    haft_hdf_write_count(hdf, "/", "layout_version", HAFT_HDF_LAYOUT);
+    haft_hdf_write_text(hdf, "/", "haft_version", haft_version());
+    haft_hdf_write_text(hdf, "/", "haft_revision", haft_revision());
+#if defined(__clang__)
+    haft_hdf_write_text(hdf, "/", "compiler", __VERSION__);
+#else
+    haft_hdf_write_text(hdf, "/", "compiler", "gcc " __VERSION__);
+#endif
+    haft_hdf_write_text(hdf, "/", "hdf5_version", hdf5);
+    haft_hdf_write_count(hdf, "/", "seed", c->seed);
+    haft_hdf_write_text(hdf, "/", "laws_digest", laws_digest == NULL ? "" : laws_digest);
+    haft_hdf_write_text(hdf, "/", "case_digest", digest);
+    haft_hdf_write_text(hdf, "/", "case", text);
+    haft_memory_free(text);
+}
+
+/* ---- datasets ---- */
+
+void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
+                    const hsize_t *dims, const void *value, const char *unit,
+                    const char *description) {
+    static const char nothing[8] = {0};
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    hid_t stored = type == HAFT_HDF_REAL ? H5T_IEEE_F64LE : H5T_STD_I32LE;
+    hid_t given = type == HAFT_HDF_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT;
+    hid_t space = H5Screate_simple(rank, dims, NULL);
+    hid_t links = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_create_intermediate_group(links, 1);
+    H5Pset_obj_track_times(creation, 0);
+    hid_t dataset = H5Dcreate2(hdf->file, path, stored, space, links, creation, H5P_DEFAULT);
+    if (dataset < 0 || H5Dwrite(dataset, given, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                value != NULL ? value : nothing) < 0) {
+        haft_hdf_fail(hdf, path);
+    }
+    if (dataset >= 0) {
+        H5Dclose(dataset);
+    }
+    H5Pclose(creation);
+    H5Pclose(links);
+    H5Sclose(space);
+    haft_hdf_write_text(hdf, path, "unit", unit);
+    haft_hdf_write_text(hdf, path, "description", description);
+}
+
+void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
+                            const haft_hdf_column *column, const void *rows, size_t stride,
+                            size_t n) {
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    double *scratch = haft_memory_alloc(n, sizeof *scratch, hdf->error);
+    if (scratch == NULL) {
+        hdf->status = HAFT_ERROR_MEMORY;
+        return;
+    }
+    hsize_t dims[1] = {n};
+    for (size_t j = 0; j < columns; j++) {
+        size_t size = column[j].type == HAFT_HDF_REAL ? sizeof(double) : sizeof(int);
+        for (size_t i = 0; i < n; i++) {
+            memcpy((char *)scratch + i * size, (const char *)rows + i * stride + column[j].offset,
+                   size);
+        }
+        char path[128];
+        snprintf(path, sizeof path, "%s/%s", group, column[j].name);
+        haft_hdf_write(hdf, path, column[j].type, 1, dims, scratch, column[j].unit,
+                       column[j].description);
+    }
+    haft_memory_free(scratch);
+}
+
+/* ---- to the disk ---- */
+
+void haft_hdf_make_header(char header[HAFT_HDF_HEADER], uint64_t size, const char *digest) {
+    memset(header, 0, HAFT_HDF_HEADER);
+    snprintf(header, HAFT_HDF_HEADER, "haft data: HDF5 from byte %d on\nsize %llu\nxxh3-128 %s\n",
+             HAFT_HDF_HEADER, (unsigned long long)size, digest);
+}
+
+static void store_image(haft_hdf *hdf, haft_store *store) {
+    ssize_t size =
+        H5Fflush(hdf->file, H5F_SCOPE_GLOBAL) < 0 ? -1 : H5Fget_file_image(hdf->file, NULL, 0);
+    if (size <= 0) {
+        haft_hdf_fail(hdf, "its image");
+        return;
+    }
+    char *image = haft_memory_alloc((size_t)size, 1, hdf->error);
+    if (image == NULL) {
+        hdf->status = HAFT_ERROR_MEMORY;
+        return;
+    }
+    if (H5Fget_file_image(hdf->file, image, (size_t)size) != size) {
+        haft_hdf_fail(hdf, "its image");
+    } else {
+        char digest[HAFT_DIGEST_CAPACITY], header[HAFT_HDF_HEADER];
+        haft_digest_memory(image, (size_t)size, digest);
+        haft_hdf_make_header(header, (uint64_t)size, digest);
+        hdf->status = haft_store_write(store, header, sizeof header, hdf->error);
+        if (hdf->status == HAFT_OK) {
+            hdf->status = haft_store_write(store, image, (size_t)size, hdf->error);
+        }
+    }
+    haft_memory_free(image);
+}
+
+haft_status haft_hdf_store(haft_hdf *hdf, haft_store *store) {
+    if (hdf->status == HAFT_OK) {
+        store_image(hdf, store);
+    }
+    haft_hdf_drop(hdf);
+    if (hdf->status == HAFT_OK) {
+        hdf->status = haft_store_commit(store, hdf->error);
+    } else {
+        haft_store_abandon(store);
+    }
+    return hdf->status;
+}

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* laws.h5: curves of m patches on n distances and what was read off them. The reader trusts
+ * nothing: a file that passes has consistent shapes, a rising grid and finite forces. */
+#include "hdf.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const haft_hdf_column vector_columns[] = {
+    {"e", HAFT_HDF_REAL, offsetof(haft_law_vector, e), "J/m^2",
+     "energy of the attractive part; NaN where the fault forbids it"},
+    {"f_max", HAFT_HDF_REAL, offsetof(haft_law_vector, f_max), "Pa", "greatest pull"},
+    {"d_max", HAFT_HDF_REAL, offsetof(haft_law_vector, d_max), "m", "gap of the greatest pull"},
+    {"d_limit", HAFT_HDF_REAL, offsetof(haft_law_vector, d_limit), "m",
+     "gap at which the push reaches f_limit"},
+};
+enum { VECTOR_COLUMNS = sizeof vector_columns / sizeof *vector_columns };
+
+/* Numbers a curve, one row each. */
+typedef struct curve_row {
+    const char *name, *unit, *description;
+    size_t member; /* offset of the pointer in haft_laws */
+} curve_row;
+static const curve_row curve_rows[] = {
+    {"zero_distance", "m", "greatest gap at which the force vanishes; NaN if there is none",
+     offsetof(haft_laws, zero_distance)},
+    {"contact_area", "1", "share of the area in contact there", offsetof(haft_laws, contact_area)},
+    {"wet_area", "1", "share of the area under menisci or in contact there",
+     offsetof(haft_laws, wet_area)},
+    {"asperities", "1", "asperities in contact there, a patch", offsetof(haft_laws, asperities)},
+};
+enum { CURVE_ROWS = sizeof curve_rows / sizeof *curve_rows };
+
+static double *row_of(const haft_laws *laws, const curve_row *row) {
+    double *values;
+    memcpy(&values, (const char *)laws + row->member, sizeof values);
+    return values;
+}
+
+haft_status haft_laws_create(haft_laws **out, size_t m, size_t n, haft_error *error) {
+    *out = NULL;
+    size_t size = 0;
+    if (__builtin_mul_overflow(m, n, &size)) {
+        return haft_error_set(error, HAFT_ERROR_MEMORY, "%zu laws of %zu points overflow", m, n);
+    }
+    haft_laws *laws = haft_memory_alloc(1, sizeof *laws, error);
+    if (laws == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    laws->m = m;
+    laws->n = n;
+    laws->distance = haft_memory_alloc(n, sizeof(double), error);
+    laws->force = haft_memory_alloc(size, sizeof(double), error);
+    laws->vector = haft_memory_alloc(m, sizeof *laws->vector, error);
+    laws->fault = haft_memory_alloc(m, sizeof *laws->fault, error);
+    laws->zero_distance = haft_memory_alloc(m, sizeof(double), error);
+    laws->contact_area = haft_memory_alloc(m, sizeof(double), error);
+    laws->wet_area = haft_memory_alloc(m, sizeof(double), error);
+    laws->asperities = haft_memory_alloc(m, sizeof(double), error);
+    if (!laws->distance || !laws->force || !laws->vector || !laws->fault || !laws->zero_distance ||
+        !laws->contact_area || !laws->wet_area || !laws->asperities) {
+        haft_laws_destroy(&laws);
+        return HAFT_ERROR_MEMORY;
+    }
+    *out = laws;
+    return HAFT_OK;
+}
+
+void haft_laws_destroy(haft_laws **laws) {
+    if (laws == NULL || *laws == NULL) {
+        return;
+    }
+    haft_laws *l = *laws;
+    haft_memory_free(l->distance);
+    haft_memory_free(l->force);
+    haft_memory_free(l->vector);
+    haft_memory_free(l->fault);
+    haft_memory_free(l->zero_distance);
+    haft_memory_free(l->contact_area);
+    haft_memory_free(l->wet_area);
+    haft_memory_free(l->asperities);
+    haft_memory_free(l);
+    *laws = NULL;
+}
+
+/* ---- writing ---- */
+
+static void write_fault(haft_hdf *hdf, const haft_laws *laws) {
+    _Static_assert(sizeof(haft_law_fault) == sizeof(int), "enums are ints");
+    hsize_t dims[1] = {laws->m};
+    char names[512] = "";
+    size_t used = 0;
+    for (int i = 0; i < HAFT_LAW_FAULTS && used < sizeof names; i++) {
+        int n = snprintf(names + used, sizeof names - used, "%s%d %s", i > 0 ? ", " : "", i,
+                         haft_law_fault_name((haft_law_fault)i));
+        used += n < 0 ? 0 : (size_t)n;
+    }
+    haft_hdf_write(hdf, "/laws/fault", HAFT_HDF_INT, 1, dims, laws->fault, "1",
+                   "why the curve has no law vector or no Morse law; see `names`");
+    haft_hdf_write_text(hdf, "/laws/fault", "names", names);
+}
+
+static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
+    hsize_t dims[2] = {laws->m, laws->n};
+    haft_hdf_write(hdf, "/curves/distance", HAFT_HDF_REAL, 1, dims + 1, laws->distance, "m",
+                   "gap between the plane and the mean plane of the patch");
+    haft_hdf_write(hdf, "/curves/force", HAFT_HDF_REAL, 2, dims, laws->force, "Pa",
+                   "pressure of each patch at each distance, positive pushing apart");
+    for (int i = 0; i < CURVE_ROWS; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "/curves/%s", curve_rows[i].name);
+        haft_hdf_write(hdf, path, HAFT_HDF_REAL, 1, dims, row_of(laws, &curve_rows[i]),
+                       curve_rows[i].unit, curve_rows[i].description);
+    }
+    haft_hdf_write_columns(hdf, "/laws", VECTOR_COLUMNS, vector_columns, laws->vector,
+                           sizeof *laws->vector, laws->m);
+    write_fault(hdf, laws);
+    haft_hdf_write_real(hdf, "/laws", "f_limit", laws->f_limit);
+    haft_hdf_write_text(hdf, "/laws", "f_limit_unit", "Pa");
+    haft_hdf_write_count(hdf, "/laws", "sites", laws->sites);
+}
+
+haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const char *path,
+                            haft_error *error) {
+    char digest[HAFT_DIGEST_CAPACITY];
+    if (laws->m == 0 || laws->n == 0 || laws->sites == 0 || laws->m % laws->sites != 0) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                              "%s: %zu laws of %zu points are no whole number of realizations of "
+                              "%zu sites",
+                              path, laws->m, laws->n, laws->sites);
+    }
+    haft_status status = haft_case_laws_digest(c, digest, error);
+    haft_store store;
+    if (status == HAFT_OK) {
+        status = haft_store_open(&store, path, true, error);
+    }
+    if (status != HAFT_OK) {
+        return status;
+    }
+    haft_hdf_voice voice = haft_hdf_hush();
+    haft_hdf hdf = {.file = -1, .path = path, .error = error};
+    haft_hdf_begin(&hdf);
+    haft_hdf_write_origin(&hdf, HAFT_HDF_LAWS, c, digest);
+    write_laws(&hdf, laws);
+    status = haft_hdf_store(&hdf, &store);
+    haft_hdf_unhush(voice);
+    return status;
+}
+
+/* ---- reading ---- */
+
+static void check_curves(haft_hdf *hdf, const haft_laws *laws) {
+    for (size_t i = 0; i < laws->n; i++) {
+        if (!isfinite(laws->distance[i]) ||
+            (i > 0 && !(laws->distance[i] > laws->distance[i - 1]))) {
+            haft_hdf_refuse(hdf, "has distances that are not finite and rising, at %zu", i);
+            return;
+        }
+    }
+    for (size_t i = 0; i < laws->m * laws->n; i++) {
+        if (!isfinite(laws->force[i])) {
+            haft_hdf_refuse(hdf, "has a force that is not finite, in curve %zu", i / laws->n);
+            return;
+        }
+    }
+    for (size_t j = 0; j < CURVE_ROWS * laws->m; j++) {
+        const curve_row *row = &curve_rows[j / laws->m];
+        if (isinf(row_of(laws, row)[j % laws->m])) {
+            haft_hdf_refuse(hdf, "has an infinite number in /curves/%s", row->name);
+            return;
+        }
+    }
+}
+
+static void check_vectors(haft_hdf *hdf, const haft_laws *laws) {
+    for (size_t i = 0; i < laws->m; i++) {
+        const haft_law_vector *v = &laws->vector[i];
+        int fault = (int)laws->fault[i];
+        bool finite =
+            isfinite(v->e) && isfinite(v->f_max) && isfinite(v->d_max) && isfinite(v->d_limit);
+        if (fault < 0 || fault >= HAFT_LAW_FAULTS) {
+            haft_hdf_refuse(hdf, "has a fault numbered %d in /laws/fault", fault);
+            return;
+        }
+        if (fault == HAFT_LAW_SOUND && !finite) {
+            haft_hdf_refuse(hdf, "has a sound law, number %zu, that is not finite", i);
+            return;
+        }
+    }
+}
+
+static void read_laws(haft_hdf *hdf, haft_laws **out) {
+    size_t dims[2];
+    uint64_t sites = 0;
+    haft_hdf_shape(hdf, "/curves/force", 2, dims);
+    if (hdf->status == HAFT_OK && (dims[0] == 0 || dims[1] < 2)) {
+        haft_hdf_refuse(hdf, "holds no curves");
+    }
+    if (hdf->status == HAFT_OK) {
+        hdf->status = haft_laws_create(out, dims[0], dims[1], hdf->error);
+    }
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    haft_laws *laws = *out;
+    haft_hdf_read(hdf, "/curves/distance", HAFT_HDF_REAL, 1, dims + 1, laws->distance);
+    haft_hdf_read(hdf, "/curves/force", HAFT_HDF_REAL, 2, dims, laws->force);
+    for (int i = 0; i < CURVE_ROWS; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "/curves/%s", curve_rows[i].name);
+        haft_hdf_read(hdf, path, HAFT_HDF_REAL, 1, dims, row_of(laws, &curve_rows[i]));
+    }
+    haft_hdf_read_columns(hdf, "/laws", VECTOR_COLUMNS, vector_columns, laws->vector,
+                          sizeof *laws->vector, laws->m);
+    haft_hdf_read(hdf, "/laws/fault", HAFT_HDF_INT, 1, dims, laws->fault);
+    haft_hdf_read_real(hdf, "/laws", "f_limit", &laws->f_limit);
+    haft_hdf_read_count(hdf, "/laws", "sites", &sites);
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    if (sites == 0 || sites > laws->m || laws->m % sites != 0) {
+        haft_hdf_refuse(hdf, "has %zu laws, no whole number of realizations of %llu sites", laws->m,
+                        (unsigned long long)sites);
+    } else if (!(isfinite(laws->f_limit) && laws->f_limit > 0)) {
+        haft_hdf_refuse(hdf, "has an f_limit that is not above 0");
+    }
+    laws->sites = (size_t)sites;
+    check_curves(hdf, laws);
+    check_vectors(hdf, laws);
+}
+
+haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,
+                           haft_error *error) {
+    *out = NULL;
+    haft_hdf_voice voice = haft_hdf_hush();
+    haft_hdf hdf;
+    char *found = NULL;
+    if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, true, error) == HAFT_OK) {
+        read_laws(&hdf, out);
+        haft_hdf_read_text(&hdf, "/", "laws_digest", &found);
+        if (hdf.status == HAFT_OK && strlen(found) != HAFT_DIGEST_CAPACITY - 1) {
+            haft_hdf_refuse(&hdf, "has a `laws_digest` that is no digest");
+        }
+        if (hdf.status == HAFT_OK && digest != NULL) {
+            memcpy(digest, found, HAFT_DIGEST_CAPACITY);
+        }
+        haft_memory_free(found);
+        haft_hdf_close(&hdf);
+    }
+    haft_hdf_unhush(voice);
+    if (hdf.status != HAFT_OK) {
+        haft_laws_destroy(out);
+    }
+    return hdf.status;
+}

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A temporary file in the same folder, flushed to the disk, then renamed over its goal: a reader
+ * sees the old file or the new one, and a failure leaves the old. What a killed process leaves is
+ * its temporary file, named PATH.tmp.PID. */
+#include "store.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { TRIES = 100 };
+
+static void release(haft_store *store) {
+    haft_memory_free(store->path);
+    haft_memory_free(store->temporary);
+    *store = (haft_store){.descriptor = -1};
+}
+
+void haft_store_abandon(haft_store *store) {
+    if (store->descriptor >= 0) {
+        close(store->descriptor);
+    }
+    if (store->temporary != NULL) {
+        unlink(store->temporary);
+    }
+    release(store);
+}
+
+static haft_status already_there(const char *path, haft_error *error) {
+    return haft_error_set(error, HAFT_ERROR_EXISTS,
+                          "%s: is there already; give --force to overwrite it, or move it away",
+                          path);
+}
+
+static haft_status check_goal(const haft_store *store, haft_error *error) {
+    struct stat facts;
+    if (lstat(store->path, &facts) != 0) {
+        return HAFT_OK;
+    }
+    if (S_ISDIR(facts.st_mode)) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: is a directory; give a file's name",
+                              store->path);
+    }
+    return store->overwrite ? HAFT_OK : already_there(store->path, error);
+}
+
+haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,
+                            haft_error *error) {
+    *store = (haft_store){.descriptor = -1, .overwrite = overwrite};
+    size_t length = strlen(path), capacity = length + 64;
+    store->path = haft_memory_alloc(length + 1, 1, error);
+    char *temporary = haft_memory_alloc(capacity, 1, error);
+    if (store->path == NULL || temporary == NULL) {
+        haft_memory_free(temporary);
+        release(store);
+        return HAFT_ERROR_MEMORY;
+    }
+    memcpy(store->path, path, length + 1);
+    haft_status status = check_goal(store, error);
+    for (int i = 0; status == HAFT_OK && store->descriptor < 0 && i < TRIES; i++) {
+        snprintf(temporary, capacity, i == 0 ? "%s.tmp.%ld" : "%s.tmp.%ld.%d", path, (long)getpid(),
+                 i);
+        store->descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (store->descriptor < 0 && errno != EEXIST) {
+            break;
+        }
+    }
+    if (status == HAFT_OK && store->descriptor < 0) {
+        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be created: %s", temporary,
+                                strerror(errno));
+    }
+    if (status != HAFT_OK) {
+        haft_memory_free(temporary);
+        release(store);
+        return status;
+    }
+    store->temporary = temporary;
+    return HAFT_OK;
+}
+
+haft_status haft_store_write(haft_store *store, const void *data, size_t size, haft_error *error) {
+    const char *bytes = data;
+    while (size > 0) {
+        ssize_t n = write(store->descriptor, bytes, size);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n <= 0) {
+            return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be written: %s", store->path,
+                                  n < 0 ? strerror(errno) : "no byte was taken");
+        }
+        bytes += n;
+        size -= (size_t)n;
+    }
+    return HAFT_OK;
+}
+
+/* Makes the new name itself last. Some file systems cannot; the data are safe then all the same. */
+static void flush_folder(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char folder[4096] = ".";
+    if (slash != NULL) {
+        size_t n = slash == path ? 1 : (size_t)(slash - path);
+        if (n >= sizeof folder) {
+            return;
+        }
+        memcpy(folder, path, n);
+        folder[n] = '\0';
+    }
+    int descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor >= 0) {
+        (void)fsync(descriptor);
+        close(descriptor);
+    }
+}
+
+/* Another process may have made the goal meanwhile; where the kernel can refuse, it shall. */
+static int move(const haft_store *store) {
+    if (!store->overwrite) {
+        if (renameat2(AT_FDCWD, store->temporary, AT_FDCWD, store->path, RENAME_NOREPLACE) == 0) {
+            return 0;
+        }
+        if (errno != EINVAL && errno != ENOSYS) {
+            return -1;
+        }
+    }
+    return rename(store->temporary, store->path);
+}
+
+haft_status haft_store_commit(haft_store *store, haft_error *error) {
+    haft_status status = HAFT_OK;
+    bool failed = fsync(store->descriptor) != 0 && errno != EINVAL && errno != ENOTSUP;
+    int reason = failed ? errno : 0;
+    if (close(store->descriptor) != 0 && !failed) {
+        failed = true;
+        reason = errno;
+    }
+    store->descriptor = -1;
+    if (!failed && move(store) != 0) {
+        failed = true;
+        reason = errno;
+    }
+    if (failed) {
+        status = !store->overwrite && reason == EEXIST
+                     ? already_there(store->path, error)
+                     : haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be written: %s",
+                                      store->path, strerror(reason));
+        haft_store_abandon(store);
+        return status;
+    }
+    flush_folder(store->path);
+    release(store);
+    return HAFT_OK;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Files that are written whole or not at all. Private to this room. */
+#ifndef HAFT_IO_STORE_H
+#define HAFT_IO_STORE_H
+
+#include "haft/base.h"
+
+/* A file on its way to `path`: nothing shows there before it is committed. */
+typedef struct haft_store {
+    int descriptor;
+    bool overwrite;
+    char *path, *temporary;
+} haft_store;
+
+/* Makes the temporary file beside `path`, so that a folder that cannot be written is told at once.
+ * Returns HAFT_ERROR_EXISTS if `path` is there and is not to be overwritten. */
+haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,
+                            haft_error *error) HAFT_MUST_CHECK;
+
+/* Adds bytes at the end. */
+haft_status haft_store_write(haft_store *store, const void *data, size_t size,
+                             haft_error *error) HAFT_MUST_CHECK;
+
+/* Flushes to the disk and renames; the store is closed whatever comes of it. */
+haft_status haft_store_commit(haft_store *store, haft_error *error) HAFT_MUST_CHECK;
+
+/* Drops the temporary file; a closed store is allowed. */
+void haft_store_abandon(haft_store *store);
+
+#endif

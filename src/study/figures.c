@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The data of a case's figures, as CSV that any plotting program reads. */
+#include "haft/study.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CURVES = 10, SHAPES = 40, SHAPE_POINTS = 400, MAP_POINTS = 300 };
+
+/* Side of the piece of surface that is shown. */
+#define MAP_SIZE 6e-6
+
+/* A table of doubles with named columns, written and freed at once. */
+typedef struct table {
+    size_t rows, columns;
+    double *value;
+    haft_csv_column *column;
+} table;
+
+static haft_status make_table(table *t, size_t rows, size_t columns, haft_error *error) {
+    *t = (table){rows, columns, haft_memory_alloc(rows * columns, sizeof(double), error),
+                 haft_memory_alloc(columns, sizeof(haft_csv_column), error)};
+    for (size_t j = 0; t->value != NULL && t->column != NULL && j < columns; j++) {
+        t->column[j] = (haft_csv_column){"", t->value + j, columns, 1};
+    }
+    return t->value != NULL && t->column != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
+}
+
+static haft_status write_table(table *t, const char *directory, const char *name,
+                               haft_error *error) {
+    char path[4096];
+    int length = snprintf(path, sizeof path, "%s/%s", directory, name);
+    haft_status status = HAFT_OK;
+    if (length < 0 || (size_t)length >= sizeof path) {
+        status = haft_error_set(error, HAFT_ERROR_IO, "the path of %s is too long", name);
+    } else {
+        status = haft_csv_write(path, t->rows, t->columns, t->column, error);
+    }
+    haft_memory_free(t->value);
+    haft_memory_free(t->column);
+    return status;
+}
+
+static void fill_map(table *t, const double *z, size_t rows, size_t columns, double step) {
+    for (size_t i = 0; i < MAP_POINTS; i++) {
+        for (size_t j = 0; j < MAP_POINTS; j++) {
+            size_t r = i * rows / MAP_POINTS, s = j * rows / MAP_POINTS;
+            double *row = t->value + (i * MAP_POINTS + j) * 3;
+            row[0] = (double)r * step * 1e6;
+            row[1] = (double)s * step * 1e6;
+            row[2] = s < columns ? z[r * columns + s] * 1e9 : NAN;
+        }
+    }
+    t->column[0].name = "x [um]";
+    t->column[1].name = "y [um]";
+    t->column[2].name = "z [nm]";
+}
+
+/* A square piece from the corner of realization 0's surface. */
+static haft_status write_surface(const haft_case *c, const char *directory, haft_error *error) {
+    haft_surface_plan *plan = NULL;
+    haft_surface_work *work = NULL;
+    table t = {0};
+    double *z = NULL;
+    size_t patches = haft_study_block_patches(c);
+    double step = c->surface.grid_step;
+    size_t rows = (size_t)llround((double)patches * c->mesh.l_meso / step);
+    size_t wanted = (size_t)llround(MAP_SIZE / step);
+    size_t columns = (size_t)llround(c->beam.width / step);
+    rows = rows < wanted ? rows : wanted;
+    haft_status status = haft_study_surface_plan(&plan, c, patches, error);
+    if (status == HAFT_OK) {
+        status = haft_surface_work_create(&work, plan, error);
+    }
+    if (status == HAFT_OK) {
+        z = haft_memory_alloc(rows * columns, sizeof *z, error);
+        status = z == NULL ? HAFT_ERROR_MEMORY : haft_surface_prepare(work, 0, 0, 0, error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_surface_rows(work, 0, rows, z, error);
+    }
+    if (status == HAFT_OK) {
+        status = make_table(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error);
+    }
+    if (status == HAFT_OK) {
+        fill_map(&t, z, rows, columns, step);
+        status = write_table(&t, directory, "surface.csv", error);
+    }
+    haft_memory_free(z);
+    haft_surface_work_destroy(&work);
+    haft_surface_plan_destroy(&plan);
+    return status;
+}
+
+/* Ten curves spread over the first realization, and what the solver makes of each. */
+static haft_status write_laws(const haft_case *c, const haft_laws *laws, const char *directory,
+                              haft_error *error) {
+    haft_site_laws *sites = NULL;
+    haft_case own = *c;
+    own.law.unfit = HAFT_UNFIT_TABLE;
+    haft_status status = haft_study_site_laws(&sites, &own, laws, 0, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    size_t curves = laws->sites < CURVES ? laws->sites : CURVES, columns = 1 + 2 * curves;
+    char(*name)[32] = haft_memory_alloc(columns, sizeof *name, error);
+    table t = {0};
+    status = name == NULL ? HAFT_ERROR_MEMORY : make_table(&t, laws->n, columns, error);
+    for (size_t i = 0; status == HAFT_OK && i < laws->n; i++) {
+        double *row = t.value + i * columns, d = laws->distance[i];
+        row[0] = d * 1e9;
+        for (size_t k = 0; k < curves; k++) {
+            size_t site = k * laws->sites / curves;
+            row[1 + 2 * k] = laws->force[site * laws->n + i] * 1e-6;
+            row[2 + 2 * k] = haft_law_evaluate(&sites->law[site], d).force * 1e-6;
+        }
+    }
+    if (status == HAFT_OK) {
+        t.column[0].name = "distance [nm]";
+        for (size_t k = 0; k < curves; k++) {
+            snprintf(name[1 + 2 * k], sizeof *name, "curve %zu [MPa]", k * laws->sites / curves);
+            snprintf(name[2 + 2 * k], sizeof *name, "law %zu [MPa]", k * laws->sites / curves);
+            t.column[1 + 2 * k].name = name[1 + 2 * k];
+            t.column[2 + 2 * k].name = name[2 + 2 * k];
+        }
+        status = write_table(&t, directory, "laws.csv", error);
+    }
+    haft_memory_free(name);
+    haft_site_laws_destroy(&sites);
+    return status;
+}
+
+/* Deflection at x by the Hermite shape between two nodes. */
+static double shape_at(const haft_results_shapes *s, size_t point, double x) {
+    const double *w = s->deflection + point * s->nodes, *r = s->rotation + point * s->nodes;
+    size_t e = 0;
+    while (e + 2 < s->nodes && s->node_x[e + 1] <= x) {
+        e++;
+    }
+    double l = s->node_x[e + 1] - s->node_x[e], t = (x - s->node_x[e]) / l;
+    double t2 = t * t, t3 = t2 * t;
+    return (1 - 3 * t2 + 2 * t3) * w[e] + l * (t - 2 * t2 + t3) * r[e] +
+           (3 * t2 - 2 * t3) * w[e + 1] + l * (t3 - t2) * r[e + 1];
+}
+
+/* Chooses up to `most` accepted states between two points, evenly in the load point's deflection,
+ * first and last included. */
+static size_t choose_states(const haft_path *path, size_t from, size_t to, size_t most,
+                            size_t *chosen) {
+    double start = path->point[from].deflection, span = path->point[to].deflection - start;
+    size_t n = 0;
+    for (size_t i = from; i <= to; i++) {
+        double share = span != 0 ? (path->point[i].deflection - start) / span : 1;
+        bool due = share * (double)(most - 1) >= (double)n - 1e-9;
+        if ((due && n + 1 < most) || i == to) {
+            chosen[n++] = i;
+        }
+    }
+    return n;
+}
+
+/* Heights above the substrate: a block a state, blank rows being the reader's affair: the columns
+ * are phase, index of the state, crack length, x, height. */
+static haft_status write_shapes(const haft_case *c, const haft_path *path,
+                                const haft_results_shapes *s, const char *directory,
+                                haft_error *error) {
+    size_t chosen[2 * SHAPES], last = path->points - 1;
+    size_t loading = choose_states(path, 0, path->turn, SHAPES, chosen);
+    size_t n = loading + choose_states(path, path->turn, last, SHAPES, chosen + loading);
+    table t = {0};
+    haft_status status = make_table(&t, n * SHAPE_POINTS, 5, error);
+    for (size_t k = 0; status == HAFT_OK && k < n; k++) {
+        for (size_t i = 0; i < SHAPE_POINTS; i++) {
+            double x = c->beam.length * (double)i / (SHAPE_POINTS - 1);
+            double *row = t.value + (k * SHAPE_POINTS + i) * 5;
+            row[0] = k < loading ? 0 : 1;
+            row[1] = (double)(k < loading ? k : k - loading);
+            row[2] = path->point[chosen[k]].crack_length * 1e6;
+            row[3] = x * 1e6;
+            row[4] = (c->beam.gap - shape_at(s, chosen[k], x)) * 1e6;
+        }
+    }
+    if (status == HAFT_OK) {
+        static const char *const name[] = {"phase", "state", "crack length [um]", "x [um]",
+                                           "height [um]"};
+        for (size_t j = 0; j < 5; j++) {
+            t.column[j].name = name[j];
+        }
+        status = write_table(&t, directory, "shapes.csv", error);
+    }
+    return status;
+}
+
+static haft_status write_energy(const haft_path *path, const char *directory, haft_error *error) {
+    table t = {0};
+    haft_status status = make_table(&t, path->points, 5, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    for (size_t i = 0; i < path->points; i++) {
+        const haft_path_point *p = &path->point[i];
+        double row[5] = {p->phase, p->jump, p->load * 1e6, p->crack_length * 1e6,
+                         p->internal_energy * 1e12};
+        memcpy(t.value + i * 5, row, sizeof row);
+    }
+    static const char *const name[] = {"phase", "jump", "load [uN]", "crack length [um]",
+                                       "internal energy [pJ]"};
+    for (size_t j = 0; j < 5; j++) {
+        t.column[j].name = name[j];
+    }
+    return write_table(&t, directory, "energy.csv", error);
+}
+
+static haft_status write_jumps(const haft_path *path, const char *directory, haft_error *error) {
+    table t = {0};
+    haft_status status = make_table(&t, path->jumps, 8, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    for (size_t i = 0; i < path->jumps; i++) {
+        const haft_jump *j = &path->jump[i];
+        double row[8] = {j->phase,
+                         j->kind == HAFT_JUMP_PULL_IN ? 0 : 1,
+                         j->load * 1e6,
+                         j->crack_before * 1e6,
+                         j->crack_after * 1e6,
+                         j->internal_before * 1e12,
+                         j->internal_after * 1e12,
+                         j->dissipated * 1e12};
+        memcpy(t.value + i * 8, row, sizeof row);
+    }
+    static const char *const name[] = {"phase",
+                                       "pull-out",
+                                       "load [uN]",
+                                       "crack before [um]",
+                                       "crack after [um]",
+                                       "internal energy before [pJ]",
+                                       "internal energy after [pJ]",
+                                       "dissipated [pJ]"};
+    for (size_t j = 0; j < 8; j++) {
+        t.column[j].name = name[j];
+    }
+    return write_table(&t, directory, "jumps.csv", error);
+}
+
+static haft_status write_path(const haft_case *c, const char *results_path, size_t realization,
+                              const char *directory, haft_error *error) {
+    haft_path *path = NULL;
+    haft_results_shapes *shapes = NULL;
+    haft_status status = haft_results_read_path(&path, results_path, realization, error);
+    if (status == HAFT_OK) {
+        status = haft_results_read_shapes(&shapes, results_path, realization, error);
+    }
+    if (status == HAFT_OK && (path->points == 0 || shapes->points != path->points)) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s: realization %zu holds %zu points and %zu shapes; run the "
+                                "case again with --force",
+                                results_path, realization, path->points, shapes->points);
+    }
+    if (status == HAFT_OK) {
+        status = write_shapes(c, path, shapes, directory, error);
+    }
+    if (status == HAFT_OK) {
+        status = write_energy(path, directory, error);
+    }
+    if (status == HAFT_OK) {
+        status = write_jumps(path, directory, error);
+    }
+    haft_results_shapes_destroy(&shapes);
+    haft_path_destroy(&path);
+    return status;
+}
+
+haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
+                                     const char *results_path, size_t realization,
+                                     const char *directory, haft_error *error) {
+    haft_status status = write_surface(c, directory, error);
+    if (status == HAFT_OK) {
+        status = write_laws(c, laws, directory, error);
+    }
+    if (status == HAFT_OK) {
+        status = write_path(c, results_path, realization, directory, error);
+    }
+    return status;
+}

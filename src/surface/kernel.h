@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The radial convolution kernel of a PSD, tapered to compact support (private to the room). */
+#ifndef HAFT_SURFACE_KERNEL_H
+#define HAFT_SURFACE_KERNEL_H
+
+#include "haft/surface.h"
+
+typedef struct surface_kernel {
+    double lattice_step; /* [m] */
+    double spacing;      /* of the radial table [m] */
+    size_t n;            /* entries of the table */
+    double *table;       /* kernel times taper at r = i * spacing [m] */
+    size_t halo;         /* reach in lattice steps */
+    double reach;        /* halo * lattice_step [m] */
+    double loss;         /* energy taken by the taper, relative */
+    double smear;        /* half-width of the taper's spectrum [rad/m] */
+} surface_kernel;
+
+/* Builds the kernel with the smallest whole reach whose loss is at most `tolerance`. */
+haft_status surface_kernel_create(surface_kernel *kernel, const haft_psd *psd, double lattice_step,
+                                  double tolerance, haft_error *error);
+void surface_kernel_destroy(surface_kernel *kernel);
+
+/* The tapered kernel at distance r >= 0 [m]: zero from the reach on. */
+double surface_kernel_value(const surface_kernel *kernel, double r);
+
+#endif

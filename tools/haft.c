@@ -1,0 +1,457 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* haft: checks, runs and plots a case. */
+#include "terminal.h"
+
+#include <argp.h>
+#include <errno.h>
+#include <math.h>
+#include <omp.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_JSON = 'j', KEY_THREADS = 't', KEY_REALIZATION = 'r' };
+
+typedef struct arguments {
+    const char *command, *folder;
+    bool force, quiet, json;
+    int threads;
+    long realization; /* -1: the first that left evidence */
+} arguments;
+
+static const char DOC[] =
+    "Predicts how far a micro-cantilever stays stuck to its substrate, and how uncertain that is, "
+    "from the roughness of the two surfaces. CASE is a folder that holds case.yaml; what a run "
+    "makes goes into CASE/out.\v"
+    "Commands:\n"
+    "  check    read CASE/case.yaml and say whether it can be used\n"
+    "  run      build the laws where needed, follow every beam, write CASE/out\n"
+    "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
+    "  info     say what a finished run holds\n\n" EXIT_CODES;
+
+static const struct argp_option OPTIONS[] = {
+    {"force", KEY_FORCE, 0, 0, "run: replace results that are there already", 0},
+    {"quiet", KEY_QUIET, 0, 0, "no progress, only results and errors", 0},
+    {"json", KEY_JSON, 0, 0, "run, info: print the summary as JSON", 0},
+    {"threads", KEY_THREADS, "N", 0, "run: use N threads (default: all cores)", 0},
+    {"realization", KEY_REALIZATION, "K", 0,
+     "plot: the beam whose path is drawn (default: the first with evidence)", 0},
+    {0}};
+
+static long parse_count(struct argp_state *state, const char *text, long least, const char *what) {
+    char *end = NULL;
+    errno = 0;
+    long value = strtol(text, &end, 10);
+    if (errno != 0 || end == text || *end != '\0' || value < least || value > 1000000000) {
+        argp_error(state, "%s must be a whole number of at least %ld, not \"%s\"", what, least,
+                   text);
+    }
+    return value;
+}
+
+static error_t parse(int key, char *value, struct argp_state *state) {
+    arguments *a = state->input;
+    switch (key) {
+    case KEY_FORCE:
+        a->force = true;
+        return 0;
+    case KEY_QUIET:
+        a->quiet = true;
+        return 0;
+    case KEY_JSON:
+        a->json = true;
+        return 0;
+    case KEY_THREADS:
+        a->threads = (int)parse_count(state, value, 1, "--threads");
+        return 0;
+    case KEY_REALIZATION:
+        a->realization = parse_count(state, value, 0, "--realization");
+        return 0;
+    case ARGP_KEY_ARG:
+        if (state->arg_num > 1) {
+            argp_error(state, "one command and one case, please; \"%s\" is too much", value);
+        }
+        *(state->arg_num == 0 ? &a->command : &a->folder) = value;
+        return 0;
+    case ARGP_KEY_END:
+        if (state->arg_num < 2) {
+            argp_error(state, "a command and a case are needed, as in: haft run cases/delrio-rh85");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+/* ---- check
+ * --------------------------------------------------------------------------------------- */
+
+static void print_derived(const haft_case *c) {
+    haft_psd_moments m = haft_psd_get_moments(&c->surface.psd);
+    haft_gw gw = haft_gw_from_moments(m);
+    printf("%s: %s\n", c->name, c->title);
+    printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
+           sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
+    printf("  asperities           %.3g a um2, radius %.3g nm, heights %.3g nm (rms)\n",
+           gw.density * 1e-12, gw.radius * 1e9, gw.summit_deviation * 1e9);
+    haft_capillary capillary;
+    if (c->contact.has_capillary &&
+        haft_capillary_from_spec(&capillary, &c->contact.capillary, NULL) == HAFT_OK) {
+        printf("  capillary            %.3g MPa within %.3g nm\n", capillary.pressure * 1e-6,
+               capillary.range * 1e9);
+    }
+    printf("  beam                 bending stiffness %.4g N m2, %ld patches, %zu realizations\n",
+           haft_beam_bending_stiffness(&c->beam), lround(c->beam.length / c->mesh.l_meso),
+           c->realizations);
+}
+
+static int command_check(const haft_case *c, const arguments *a) {
+    if (!a->quiet) {
+        print_derived(c);
+        printf("%s/case.yaml can be used\n", a->folder);
+    }
+    return EXIT_OK;
+}
+
+/* ---- run
+ * ----------------------------------------------------------------------------------------- */
+
+static void print_length(double metres) {
+    if (isfinite(metres)) {
+        printf(" %9.1f", metres * 1e6);
+    } else {
+        printf(" %9s", "-");
+    }
+}
+
+static void print_row(const char *label, double ours, double paper, double measured) {
+    printf("  %-26s", label);
+    print_length(ours);
+    print_length(paper);
+    print_length(measured);
+    printf("\n");
+}
+
+static void print_summary(const haft_case *c, const haft_statistics *s) {
+    printf("\n%s\n", c->title);
+    printf("  %-26s %9s %9s %9s\n", "crack length at rest [um]", "Haft", "paper", "measured");
+    print_row("mean", s->mean, c->reference.paper_crack_length, c->reference.measured_crack_length);
+    print_row("standard error of the mean", s->standard_error, NAN, NAN);
+    print_row("standard deviation", s->deviation, NAN, NAN);
+    print_row("least", s->least, NAN, NAN);
+    print_row("greatest", s->greatest, NAN, NAN);
+    printf("  effective energy of the mean, Gamma: %.3g mJ/m2\n", s->gamma * 1e3);
+    printf("  beams: %zu run, %zu stuck, %zu free, %zu failed; %.1f jumps and %.3f s a beam\n",
+           s->run, s->stuck, s->free, s->failed, s->jumps, s->seconds);
+    printf("  energy ledger closed to %.1e of the work; %zu curves that no Morse law fits\n",
+           s->ledger_error, s->unfit);
+}
+
+static void print_json_number(const char *key, double value, const char *end) {
+    if (isfinite(value)) {
+        printf("  \"%s\": %.12g%s\n", key, value, end);
+    } else {
+        printf("  \"%s\": null%s\n", key, end);
+    }
+}
+
+static void print_json(const haft_case *c, const haft_statistics *s) {
+    printf("{\n  \"case\": \"%s\",\n  \"version\": \"%s\",\n", c->name, haft_version());
+    print_json_number("crack_length_mean_m", s->mean, ",");
+    print_json_number("crack_length_standard_error_m", s->standard_error, ",");
+    print_json_number("crack_length_deviation_m", s->deviation, ",");
+    print_json_number("crack_length_least_m", s->least, ",");
+    print_json_number("crack_length_greatest_m", s->greatest, ",");
+    print_json_number("paper_crack_length_m", c->reference.paper_crack_length, ",");
+    print_json_number("measured_crack_length_m", c->reference.measured_crack_length, ",");
+    print_json_number("gamma_J_per_m2", s->gamma, ",");
+    printf("  \"run\": %zu,\n  \"stuck\": %zu,\n  \"free\": %zu,\n  \"failed\": %zu,\n", s->run,
+           s->stuck, s->free, s->failed);
+    print_json_number("jumps_per_beam", s->jumps, ",");
+    print_json_number("seconds_per_beam", s->seconds, ",");
+    print_json_number("ledger_error", s->ledger_error, "");
+    printf("}\n");
+}
+
+static void print_result(const haft_case *c, const haft_summary *summary, bool json) {
+    haft_statistics s = haft_study_statistics(c, summary, c->realizations);
+    if (json) {
+        print_json(c, &s);
+    } else {
+        print_summary(c, &s);
+    }
+}
+
+static haft_status write_text(const char *path, const char *text, haft_error *error) {
+    char temporary[PATH_CAPACITY + 8];
+    snprintf(temporary, sizeof temporary, "%s.tmp", path);
+    FILE *file = fopen(temporary, "w");
+    bool written =
+        file != NULL && fputs(text, file) >= 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
+    int why = errno;
+    if (file != NULL && fclose(file) != 0 && written) {
+        why = errno;
+        written = false;
+    }
+    if (!written || rename(temporary, path) != 0) {
+        why = written ? errno : why;
+        unlink(temporary);
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be written: %s", path,
+                              strerror(why));
+    }
+    return HAFT_OK;
+}
+
+/* Saves the resolved case, which reruns to the same bits. */
+static haft_status save_resolved(const haft_case *c, const char *folder, haft_error *error) {
+    char path[PATH_CAPACITY], *text = NULL;
+    haft_status status = case_out_path(path, folder, "resolved.yaml", error);
+    if (status == HAFT_OK) {
+        status = haft_case_emit(&text, c, error);
+    }
+    if (status == HAFT_OK) {
+        status = write_text(path, text, error);
+    }
+    haft_memory_free(text);
+    return status;
+}
+
+/* Results that are there are refused before hours go into new ones. */
+static haft_status refuse_existing(const char *path, bool force, haft_error *error) {
+    if (!force && access(path, F_OK) == 0) {
+        return haft_error_set(error, HAFT_ERROR_EXISTS,
+                              "%s is there already; add --force to replace it", path);
+    }
+    return HAFT_OK;
+}
+
+static haft_status prepare_run(const haft_case *c, const arguments *a, char results[PATH_CAPACITY],
+                               char laws[PATH_CAPACITY], haft_error *error) {
+    haft_status status = case_out_path(results, a->folder, "results.h5", error);
+    if (status == HAFT_OK) {
+        status = case_out_path(laws, a->folder, "laws.h5", error);
+    }
+    if (status == HAFT_OK) {
+        status = refuse_existing(results, a->force, error);
+    }
+    if (status == HAFT_OK) {
+        status = make_out_folder(a->folder, NULL, error);
+    }
+    return status == HAFT_OK ? save_resolved(c, a->folder, error) : status;
+}
+
+static int command_run(const haft_case *c, const arguments *a, terminal *t) {
+    haft_error error = {0};
+    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], csv[PATH_CAPACITY];
+    char digest[HAFT_DIGEST_CAPACITY];
+    haft_laws *laws = NULL;
+    haft_progress progress = terminal_progress(t);
+    haft_summary *summary = NULL;
+    haft_status status = prepare_run(c, a, results, laws_path, &error);
+    if (status == HAFT_OK) {
+        summary = haft_memory_alloc(c->realizations, sizeof *summary, &error);
+        status = summary == NULL
+                     ? HAFT_ERROR_MEMORY
+                     : haft_study_obtain_laws(&laws, digest, c, laws_path, &progress, &error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_run(summary, c, laws, digest, results, a->force, &progress, &error);
+        bool partly = status == HAFT_ERROR_INTERRUPTED;
+        if (status == HAFT_OK || partly) {
+            haft_error own = {0};
+            haft_status csv_status = case_out_path(csv, a->folder, "summary.csv", &own);
+            if (csv_status == HAFT_OK) {
+                csv_status = haft_study_write_summary(summary, c->realizations, csv, &own);
+            }
+            print_result(c, summary, a->json);
+            if (csv_status != HAFT_OK) {
+                status = csv_status;
+                error = own;
+            }
+        }
+    }
+    haft_laws_destroy(&laws);
+    haft_memory_free(summary);
+    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
+}
+
+/* ---- info
+ * ---------------------------------------------------------------------------------------- */
+
+static int command_info(const haft_case *c, const arguments *a, terminal *t) {
+    haft_error error = {0};
+    char path[PATH_CAPACITY];
+    haft_results_view *view = NULL;
+    haft_status status = case_out_path(path, a->folder, "results.h5", &error);
+    if (status == HAFT_OK) {
+        status = haft_results_read(&view, path, &error);
+    }
+    if (status != HAFT_OK) {
+        return terminal_fail(t, status, &error);
+    }
+    if (view->realizations == c->realizations) {
+        print_result(c, view->summary, a->json);
+    } else {
+        error.message[0] = '\0';
+        status = haft_error_set(&error, HAFT_ERROR_INPUT,
+                                "%s holds %zu realizations, the case asks for %zu; run it again "
+                                "with --force",
+                                path, view->realizations, c->realizations);
+    }
+    haft_results_view_destroy(&view);
+    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
+}
+
+/* ---- plot
+ * ---------------------------------------------------------------------------------------- */
+
+/* The plot scripts lie beside an installed program, or in the source it was built from. */
+static void find_scripts(char path[PATH_CAPACITY]) {
+    char program[PATH_CAPACITY];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(program, '/');
+    if (slash != NULL) {
+        *slash = '\0';
+        int n = snprintf(path, PATH_CAPACITY, "%s/../share/haft/plot", program);
+        if (n > 0 && n < PATH_CAPACITY && access(path, R_OK) == 0) {
+            return;
+        }
+    }
+    const char *const places[] = {HAFT_PLOT_DIR_INSTALLED, HAFT_PLOT_DIR_SOURCE};
+    snprintf(path, PATH_CAPACITY, "%s", places[access(places[0], R_OK) == 0 ? 0 : 1]);
+}
+
+/* Runs gnuplot on one script inside the folder of the figures. */
+static haft_status draw(const char *scripts, const char *name, const char *folder,
+                        const char *definitions, haft_error *error) {
+    char script[PATH_CAPACITY + 64];
+    snprintf(script, sizeof script, "%s/%s.gp", scripts, name);
+    char *const command[] = {(char[]){"gnuplot"}, (char[]){"-e"}, strdup(definitions), script,
+                               NULL};
+    extern char **environ;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addchdir_np(&actions, folder);
+    pid_t child;
+    int why = posix_spawnp(&child, "gnuplot", &actions, NULL, command, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    free(command[2]);
+    if (why != 0) {
+        return haft_error_set(error, HAFT_ERROR_IO,
+                              "gnuplot cannot be run: %s; install it (Debian: gnuplot-nox). The "
+                              "data are in %s as CSV",
+                              strerror(why), folder);
+    }
+    int state = 0;
+    while (waitpid(child, &state, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFEXITED(state) || WEXITSTATUS(state) != 0) {
+        return haft_error_set(error, HAFT_ERROR_LIBRARY, "gnuplot failed on %s", script);
+    }
+    return HAFT_OK;
+}
+
+static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
+    static const char *const figures[] = {"surface", "laws", "shapes", "energy", "cracks"};
+    char scripts[PATH_CAPACITY], definitions[512];
+    find_scripts(scripts);
+    snprintf(definitions, sizeof definitions,
+             "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g",
+             isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
+             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
+                                                          : -1,
+             c->beam.length * 1e6, c->beam.gap * 1e6);
+    setenv("HAFT_TITLE", c->title, 1);
+    haft_status status = HAFT_OK;
+    for (size_t i = 0; status == HAFT_OK && i < sizeof figures / sizeof *figures; i++) {
+        status = draw(scripts, figures[i], folder, definitions, error);
+    }
+    return status;
+}
+
+static haft_status choose_realization(const haft_case *c, long asked, size_t *chosen,
+                                      haft_error *error) {
+    *chosen = asked >= 0 ? (size_t)asked : c->evidence.count > 0 ? c->evidence.realization[0] : 0;
+    if (*chosen >= c->realizations) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "there is no realization %ld; the case has 0 to %zu", asked,
+                              c->realizations - 1);
+    }
+    return HAFT_OK;
+}
+
+static int command_plot(const haft_case *c, const arguments *a, terminal *t) {
+    haft_error error = {0};
+    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], folder[PATH_CAPACITY];
+    haft_laws *laws = NULL;
+    size_t realization = 0;
+    haft_status status = choose_realization(c, a->realization, &realization, &error);
+    if (status == HAFT_OK) {
+        status = case_out_path(results, a->folder, "results.h5", &error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(laws_path, a->folder, "laws.h5", &error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(folder, a->folder, "plots", &error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_laws_read(&laws, NULL, laws_path, &error);
+    }
+    if (status == HAFT_OK) {
+        status = make_out_folder(a->folder, "plots", &error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_write_figures(c, laws, results, realization, folder, &error);
+    }
+    if (status == HAFT_OK) {
+        status = draw_all(c, folder, &error);
+    }
+    haft_laws_destroy(&laws);
+    if (status != HAFT_OK) {
+        return terminal_fail(t, status, &error);
+    }
+    if (!a->quiet) {
+        printf("figures in %s\n", folder);
+    }
+    return EXIT_OK;
+}
+
+int main(int argc, char **argv) {
+    argp_err_exit_status = EXIT_USAGE;
+    argp_program_version = haft_version();
+    static const struct argp program = {OPTIONS, parse, "COMMAND CASE", DOC, NULL, NULL, NULL};
+    arguments a = {.realization = -1};
+    argp_parse(&program, argc, argv, 0, NULL, &a);
+    terminal t;
+    terminal_open(&t, "haft", a.quiet);
+    static const char *const commands[] = {"check", "run", "plot", "info"};
+    size_t command = 0;
+    while (command < 4 && strcmp(a.command, commands[command]) != 0) {
+        command++;
+    }
+    if (command == 4) {
+        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, plot or info\n",
+                a.command);
+        return EXIT_USAGE;
+    }
+    if (a.threads > 0) {
+        omp_set_num_threads(a.threads);
+    }
+    haft_error error = {0};
+    haft_case *c = NULL;
+    haft_status status = read_case(&c, a.folder, &error);
+    if (status != HAFT_OK) {
+        return terminal_fail(&t, status, &error);
+    }
+    int code = command == 0   ? command_check(c, &a)
+               : command == 1 ? command_run(c, &a, &t)
+               : command == 2 ? command_plot(c, &a, &t)
+                              : command_info(c, &a, &t);
+    haft_case_destroy(&c);
+    return code;
+}

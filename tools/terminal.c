@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The programs' voice. */
+#include "terminal.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t caught;
+
+static void catch_signal(int number) {
+    caught = number;
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void terminal_open(terminal *t, const char *program, bool quiet) {
+    *t = (terminal){.program = program, .quiet = quiet, .live = isatty(STDERR_FILENO) == 1};
+    struct sigaction action = {.sa_handler = catch_signal};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = SIG_IGN; /* a full file or a closed pipe is told as an error */
+    sigaction(SIGXFSZ, &action, NULL);
+    sigaction(SIGPIPE, &action, NULL);
+}
+
+static void format_time(char text[32], double seconds) {
+    long s = (long)(seconds + 0.5);
+    if (s >= 3600) {
+        snprintf(text, 32, "%ld:%02ld:%02ld h", s / 3600, s / 60 % 60, s % 60);
+    } else {
+        snprintf(text, 32, "%ld:%02ld min", s / 60, s % 60);
+    }
+}
+
+static void advance(void *user, const char *stage, size_t done, size_t total) {
+    terminal *t = user;
+    if (t->quiet) {
+        return;
+    }
+    double time = now();
+    if (t->stage == NULL || strcmp(t->stage, stage) != 0) {
+        t->stage = stage;
+        t->started = time;
+        t->shown = 0;
+        t->tenth = 0;
+    }
+    char left[32];
+    double spent = time - t->started;
+    format_time(left, done > 1 ? spent / (double)done * (double)(total - done) : 0);
+    if (t->live && (time - t->shown > 0.1 || done == total)) {
+        t->shown = time;
+        fprintf(stderr, "\r%-6s %6zu of %zu, %3zu %%, %s left   ", stage, done, total,
+                done * 100 / total, left);
+        if (done == total) {
+            format_time(left, spent);
+            fprintf(stderr, "\r%-6s %6zu of %zu in %s                \n", stage, done, total, left);
+        }
+    } else if (!t->live && done * 10 / total > t->tenth) {
+        t->tenth = done * 10 / total;
+        fprintf(stderr, "%-6s %6zu of %zu, %3zu %%, %s left\n", stage, done, total,
+                done * 100 / total, left);
+    }
+}
+
+static void note(void *user, const char *text) {
+    const terminal *t = user;
+    if (!t->quiet) {
+        fprintf(stderr, "%s\n", text);
+    }
+}
+
+static bool stop(void *user) {
+    (void)user;
+    return caught != 0;
+}
+
+haft_progress terminal_progress(terminal *t) {
+    return (haft_progress){.advance = advance, .note = note, .stop = stop, .user = t};
+}
+
+void terminal_close_line(terminal *t) {
+    if (t->live && t->stage != NULL && !t->quiet) {
+        fputc('\n', stderr);
+    }
+    t->stage = NULL;
+}
+
+int terminal_fail(terminal *t, haft_status status, const haft_error *error) {
+    terminal_close_line(t);
+    fprintf(stderr, "%s: %s\n", t->program, error->message);
+    switch (status) {
+    case HAFT_OK:
+        return EXIT_OK;
+    case HAFT_ERROR_NUMERIC:
+        return EXIT_NUMERIC;
+    case HAFT_ERROR_INPUT:
+        return EXIT_INPUT;
+    case HAFT_ERROR_IO:
+        return EXIT_IO;
+    case HAFT_ERROR_EXISTS:
+        return EXIT_EXISTS;
+    case HAFT_ERROR_INTERRUPTED:
+        return EXIT_INTERRUPTED;
+    case HAFT_ERROR_MEMORY:
+    case HAFT_ERROR_ARGUMENT:
+    case HAFT_ERROR_LIBRARY:
+        return EXIT_INTERNAL;
+    }
+    return EXIT_INTERNAL;
+}
+
+static haft_status join(char path[PATH_CAPACITY], const char *folder, const char *middle,
+                        const char *name, haft_error *error) {
+    int length = snprintf(path, PATH_CAPACITY, "%s/%s%s", folder, middle, name);
+    return length > 0 && length < PATH_CAPACITY
+               ? HAFT_OK
+               : haft_error_set(error, HAFT_ERROR_IO, "the path of %s is too long", folder);
+}
+
+haft_status case_path(char path[PATH_CAPACITY], const char *folder, const char *name,
+                      haft_error *error) {
+    return join(path, folder, "", name, error);
+}
+
+haft_status case_out_path(char path[PATH_CAPACITY], const char *folder, const char *name,
+                          haft_error *error) {
+    return join(path, folder, "out/", name, error);
+}
+
+static haft_status make_folder(const char *path, haft_error *error) {
+    struct stat found;
+    if (mkdir(path, 0777) == 0 ||
+        (errno == EEXIST && stat(path, &found) == 0 && S_ISDIR(found.st_mode))) {
+        return HAFT_OK;
+    }
+    return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot make this folder: %s", path,
+                          strerror(errno));
+}
+
+haft_status make_out_folder(const char *folder, const char *name, haft_error *error) {
+    char path[PATH_CAPACITY];
+    haft_status status = case_path(path, folder, "out", error);
+    if (status == HAFT_OK) {
+        status = make_folder(path, error);
+    }
+    if (status == HAFT_OK && name != NULL) {
+        status = case_out_path(path, folder, name, error);
+        if (status == HAFT_OK) {
+            status = make_folder(path, error);
+        }
+    }
+    return status;
+}
+
+haft_status read_case(haft_case **out, const char *folder, haft_error *error) {
+    char path[PATH_CAPACITY];
+    struct stat found;
+    haft_status status = case_path(path, folder, "case.yaml", error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    if (stat(folder, &found) != 0) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: %s; give the folder of a case", folder,
+                              strerror(errno));
+    }
+    if (!S_ISDIR(found.st_mode)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s is no folder; give the folder that holds case.yaml", folder);
+    }
+    return haft_case_read(out, path, error);
+}
