@@ -106,9 +106,8 @@ typedef struct haft_zero_force {
     double asperities; /**< [1/m^2] */
 } haft_zero_force;
 
-/** The largest distance at which f changes from push to pull, everything else interpolated
- *  linearly there; zeros between push and pull belong to the push. The curve must hold all its
- *  arrays. Thread-safe. */
+/** The distance at which f changes from push to pull, nearest inside that of the greatest pull;
+ *  everything else interpolated linearly there. The curve must hold all its arrays. Thread-safe. */
 haft_zero_force haft_contact_zero_force(const haft_curve *curve);
 
 #ifdef __cplusplus

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a curve's force vanishes, looked for from the far end, linear between distances. */
+/* Where a curve's force vanishes, looked for from the greatest pull inwards, linear between
+ * distances. Not from the far end: one tall asperity that pushes alone makes a zero of its own,
+ * long before the surfaces meet. */
 #include "haft/contact.h"
 
 /* Whether the force, going back from point j over zeros, is a push. */
@@ -12,7 +14,11 @@ static bool was_push(const double *force, size_t j) {
 
 haft_zero_force haft_contact_zero_force(const haft_curve *curve) {
     const double *f = curve->force;
-    for (size_t j = curve->n; j-- > 1;) {
+    size_t deepest = 0;
+    for (size_t j = 1; j < curve->n; j++) {
+        deepest = f[j] < f[deepest] ? j : deepest;
+    }
+    for (size_t j = deepest; j > 0; j--) {
         if (f[j] < 0 && f[j - 1] >= 0 && was_push(f, j - 1)) {
             double t = f[j - 1] / (f[j - 1] - f[j]);
 #define BETWEEN(what) (curve->what[j - 1] + t * (curve->what[j] - curve->what[j - 1]))
