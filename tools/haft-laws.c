@@ -83,37 +83,53 @@ static void take(spread *s, double value) {
     s->greatest = s->n == 1 ? value : fmax(s->greatest, value);
 }
 
-static void print_spread(const char *label, spread s, double unit, const char *paper) {
+/* One line: ours, and the reference's range where the case gives one. */
+static void print_spread(const char *label, spread s, double unit, const double reference[2]) {
     double deviation = s.n > 1 ? sqrt(s.deviation / (double)(s.n - 1)) : NAN;
-    printf("  %-30s %9.4g %9.3g %9.4g %9.4g   %s\n", label, s.mean * unit, deviation * unit,
-           s.least * unit, s.greatest * unit, paper);
+    printf("  %-30s %9.4g %9.3g %9.4g %9.4g", label, s.mean * unit, deviation * unit,
+           s.least * unit, s.greatest * unit);
+    if (reference != NULL && isfinite(reference[0])) {
+        printf("   %.3g to %.3g", reference[0] * unit, reference[1] * unit);
+    }
+    printf("\n");
 }
 
-static void print_laws(const haft_laws *laws) {
-    spread zero = {0}, contact = {0}, wet = {0}, asperities = {0}, v[4] = {{0}};
+static void print_zero_force(const haft_laws *laws, const haft_case *c) {
+    spread zero = {0}, contact = {0}, wet = {0}, asperities = {0};
     for (size_t k = 0; k < laws->m; k++) {
         take(&zero, laws->zero_distance[k]);
         take(&contact, laws->contact_area[k]);
         take(&wet, laws->wet_area[k]);
         take(&asperities, laws->asperities[k]);
+    }
+    printf("  %-30s %9s %9s %9s %9s   %s\n", "where the force vanishes", "mean", "std. dev.",
+           "least", "greatest", isfinite(c->reference.zero_distance[0]) ? "reference" : "");
+    print_spread("distance [nm]", zero, 1e9, c->reference.zero_distance);
+    print_spread("contact area [%]", contact, 100, c->reference.contact_area);
+    print_spread("wet area [%]", wet, 100, c->reference.wet_area);
+    print_spread("asperities in contact [1]", asperities, 1, c->reference.asperities);
+}
+
+static void print_vectors(const haft_laws *laws) {
+    spread v[4] = {{0}};
+    for (size_t k = 0; k < laws->m; k++) {
         take(&v[0], laws->vector[k].e);
         take(&v[1], laws->vector[k].f_max);
         take(&v[2], laws->vector[k].d_max);
         take(&v[3], laws->vector[k].d_limit);
     }
+    printf("  law vectors (push limit %.4g MPa)\n", laws->f_limit * 1e-6);
+    print_spread("energy e [mJ/m2]", v[0], 1e3, NULL);
+    print_spread("greatest pull f_max [MPa]", v[1], 1e-6, NULL);
+    print_spread("its distance d_max [nm]", v[2], 1e9, NULL);
+    print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
+}
+
+static void print_laws(const haft_laws *laws, const haft_case *c) {
     printf("%zu laws, %zu a beam, on %zu distances from %.4g to %.4g nm\n", laws->m, laws->sites,
            laws->n, laws->distance[0] * 1e9, laws->distance[laws->n - 1] * 1e9);
-    printf("  %-30s %9s %9s %9s %9s   %s\n", "where the force vanishes", "mean", "std. dev.",
-           "least", "greatest", "paper, RH 85 %");
-    print_spread("distance [nm]", zero, 1e9, "8.3 to 10");
-    print_spread("contact area [%]", contact, 100, "0.2 to 0.7");
-    print_spread("wet area [%]", wet, 100, "14 to 29");
-    print_spread("asperities in contact [1]", asperities, 1, "80 to 130");
-    printf("  law vectors (push limit %.4g MPa)\n", laws->f_limit * 1e-6);
-    print_spread("energy e [mJ/m2]", v[0], 1e3, "");
-    print_spread("greatest pull f_max [MPa]", v[1], 1e-6, "");
-    print_spread("its distance d_max [nm]", v[2], 1e9, "");
-    print_spread("limit distance d_limit [nm]", v[3], 1e9, "");
+    print_zero_force(laws, c);
+    print_vectors(laws);
     size_t count[HAFT_LAW_FAULTS];
     haft_study_count_faults(laws, count);
     printf("  Morse law fits %zu of %zu", count[HAFT_LAW_SOUND], laws->m);
@@ -168,7 +184,7 @@ int main(int argc, char **argv) {
                           : haft_laws_read(&laws, NULL, path, &error);
     }
     if (status == HAFT_OK && !(building && a.quiet)) {
-        print_laws(laws);
+        print_laws(laws, c);
     }
     haft_laws_destroy(&laws);
     haft_case_destroy(&c);

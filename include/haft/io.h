@@ -77,6 +77,10 @@ typedef struct haft_case {
     /** Numbers to print beside ours; NaN where the case gives none. */
     struct {
         double paper_crack_length, measured_crack_length; /**< [m] */
+        double zero_distance[2]; /**< where patches' forces vanish, least and greatest [m] */
+        double contact_area[2];  /**< there, share of the area */
+        double wet_area[2];      /**< there, share of the area */
+        double asperities[2];    /**< in contact there, a patch */
     } reference;
 } haft_case;
 

@@ -113,8 +113,7 @@ haft_law_value haft_law_evaluate(const haft_law *law, double d);
 double haft_law_reach(const haft_law *law, double share);
 
 /** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a Morse
- *  law; of a table f_max over the steepest slope where the push is below f_max (a Morse law's table
- *  gives about 1/(7 a_left)); of one that never pulls its greatest push over its steepest slope.
+ *  law; of a table the same read off its steepest slope where it pulls, 4 f_max over that slope.
  *  Thread-safe. */
 double haft_law_range(const haft_law *law);
 

@@ -92,9 +92,10 @@ haft_status haft_study_write_summary(const haft_summary *summary, size_t n, cons
                                      haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes the data of a case's figures as CSV into `directory`, which must exist: surface.csv (a
- *  piece of realization 0's surface), laws.csv (ten of its curves and the laws they became), and of
- *  `realization`: shapes.csv (heights in loading and unloading), energy.csv and jumps.csv (internal
- *  energy against crack length, and its jumps). */
+ *  piece of realization 0's surface), laws.csv (ten of its curves and the laws they became),
+ *  vectors.csv (those laws' e, f_max, d_max, d_limit), and of `realization`: shapes.csv (heights in
+ *  loading and unloading, those about each phase's greatest jump marked), energy.csv and jumps.csv
+ *  (internal energy against crack length, and its jumps). */
 haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
                                      const char *results_path, size_t realization,
                                      const char *directory, haft_error *error) HAFT_MUST_CHECK;

@@ -26,6 +26,10 @@ static double mode_amplitude(const double mode[HAFT_SPAN], const double v[HAFT_S
     return (mode[0] * v[0] + mode[2] * v[2]) + (mode[1] * v[1] + mode[3] * v[3]);
 }
 
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
 static double element_energy(const haft_element *element, const double *u, double *gradient,
                              double *largest) {
     double v[HAFT_SPAN];
@@ -39,7 +43,7 @@ static double element_energy(const haft_element *element, const double *u, doubl
         if (element->dof[k] >= 0) {
             double term = element->mode[0][k] * m0 + element->mode[1][k] * m1;
             gradient[element->dof[k]] += term;
-            *largest = fmax(*largest, fabs(term));
+            *largest = larger(*largest, fabs(term));
         }
     }
     return 0.5 * (q0 * m0 + q1 * m1);
@@ -50,7 +54,7 @@ static void add_force(const haft_site *site, double factor, double *gradient, do
         if (site->dof[k] >= 0) {
             double term = factor * site->shape[k];
             gradient[site->dof[k]] += term;
-            *largest = fmax(*largest, fabs(term));
+            *largest = larger(*largest, fabs(term));
         }
     }
 }

@@ -154,6 +154,14 @@ const haft_key haft_case_keys[] = {
          .offset = AT(reference.paper_crack_length)),
     REAL("reference.measured_crack_length", "m", POSITIVE, .fallback = "none", .example = "200 um",
          .offset = AT(reference.measured_crack_length)),
+    REAL("reference.zero_distance", "m", POSITIVE, .count = 2, .fallback = "none",
+         .example = "[8.3 nm, 10 nm]", .offset = AT(reference.zero_distance)),
+    REAL("reference.contact_area", "1", SHARE, .count = 2, .fallback = "none",
+         .example = "[0.2 %, 0.7 %]", .offset = AT(reference.contact_area)),
+    REAL("reference.wet_area", "1", SHARE, .count = 2, .fallback = "none",
+         .example = "[14 %, 29 %]", .offset = AT(reference.wet_area)),
+    REAL("reference.asperities", "1", POSITIVE, .count = 2, .fallback = "none",
+         .example = "[80, 130]", .offset = AT(reference.asperities)),
 };
 const size_t haft_case_key_count = sizeof haft_case_keys / sizeof *haft_case_keys;
 _Static_assert(sizeof haft_case_keys / sizeof *haft_case_keys <= HAFT_KEYS_MAX, "room for keys");
@@ -164,6 +172,11 @@ void haft_case_preset(haft_case *c) {
     c->programme.load_limit = INFINITY;
     c->reference.paper_crack_length = NAN;
     c->reference.measured_crack_length = NAN;
+    double *const ranges[] = {c->reference.zero_distance, c->reference.contact_area,
+                              c->reference.wet_area, c->reference.asperities};
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
+        ranges[i][0] = ranges[i][1] = NAN;
+    }
 }
 
 int haft_case_find_key(const char *path) {

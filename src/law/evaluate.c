@@ -5,6 +5,9 @@
 
 #include "law/table.h"
 
+/* Decay lengths beyond which a law is nothing: e^-100 is lost beside any other force. */
+#define NIL 100.0
+
 /* With x = E - 1 the left wing's force is f_max (x^2 - 1) and its potential above that of the
  * bottom f_max x (x - 2) / (2 a). */
 static inline haft_law_value morse(const haft_law *law, double d) {
@@ -18,6 +21,9 @@ static inline haft_law_value morse(const haft_law *law, double d) {
     double y = d - law->d_max;
     bool right = y >= 0;
     double a = right ? law->a_right : law->a_left;
+    if (a * y > NIL) {
+        return (haft_law_value){0};
+    }
     double E = exp(-a * y);
     double F = law->f_max;
     double left_potential = (E - 1) * (E - 3) / (2 * law->a_left) - 1.5 / law->a_right;

@@ -51,16 +51,18 @@ static haft_status check(size_t n, const double *distance, const double *force, 
     return HAFT_OK;
 }
 
-/* The push far inside the wall is steep without telling how wide the well is: it is left out. */
+/* A Morse law is steepest, where it pulls, at its zero: 4 a f_max. So four times f_max over the
+ * steepest slope of a table's pull is the range that the same law has as Morse. The wall is steep
+ * without telling how wide the well is: it is left out, unless there is nothing else. */
 static void find_range(haft_law_table *table, double scale) {
-    double steepest = 0;
+    double steepest = 0, pushes_up_to = table->f_max > 0 ? 0 : scale;
     for (size_t i = 0; i < table->pieces; i++) {
         const haft_hermite *cubic = &table->piece[i].cubic;
-        if (cubic->c[0] <= scale) {
+        if (cubic->c[0] <= pushes_up_to) {
             steepest = fmax(steepest, haft_hermite_steepest(cubic));
         }
     }
-    table->range = steepest > 0 ? scale / steepest : table->last - table->first;
+    table->range = steepest > 0 ? 4 * scale / steepest : table->last - table->first;
 }
 
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,

@@ -42,7 +42,8 @@ double haft_control_value(const haft_tracker *t, haft_control control, const haf
 }
 
 double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
-    return t->range[site] + fmax(0, d - t->far[site]);
+    double beyond = d - t->far[site];
+    return t->range[site] + (beyond > 0 ? beyond : 0);
 }
 
 double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site) {

@@ -41,7 +41,7 @@ static void model_case_is_read_in_si_units(void **state) {
     check_relative(c->contact.capillary.molar_volume, 18e-6, 1e-14);
     check_near(c->contact.capillary.contact_angle_1, 0, 0);
     check_near(c->contact.capillary.contact_angle_2, 0, 0);
-    check_relative(c->contact.distance_from, 3e-9, 1e-14);
+    check_relative(c->contact.distance_from, 6e-9, 1e-14);
     check_relative(c->contact.distance_to, 28e-9, 1e-14);
     check_relative(c->contact.distance_step, 0.1e-9, 1e-14);
     assert_int_equal(c->law.kind, HAFT_LAW_MORSE);
@@ -120,12 +120,12 @@ static void resolved_case_reads_back_to_the_same_bits(void **state) {
         {"mesh: uniform", "mesh: exact"},
         {"temperature: 300 K", "temperature: 20 degC"},
         {"seed: 85", "seed: 18446744073709551615"},
-        {"reference:\n", "reference: {}\n#"},
+        {"reference:", "reference: {} #"},
     };
     for (size_t i = 0; i < sizeof edits / sizeof *edits; i++) {
         char *text = replaced(model, edits[i][0], edits[i][1]);
         if (strstr(text, "reference: {}") != NULL) {
-            *strstr(text, "  measured_crack_length") = '#';
+            *strchr(strstr(text, "reference: {}"), '\n') = '\0'; /* the last section */
         }
         haft_case *c = read_text(&s, text);
         check_round_trip(&s, c);
@@ -174,8 +174,10 @@ static void check_digest_moves(const haft_case *c, const char *before, bool move
     X(surface.psd.zeta_max)                                                                        \
     X(surface.psd.zeta_0)                                                                          \
     X(surface.psd.s_0)                                                                             \
-    X(surface.psd.s_1) X(surface.grid_step) X(surface.kernel_tolerance) X(contact.young_modulus)   \
-        X(contact.poisson_ratio) X(contact.capillary.humidity) X(contact.capillary.temperature)    \
+    X(surface.psd.s_1)                                                                             \
+    X(surface.grid_step)                                                                           \
+    X(surface.kernel_tolerance) X(contact.young_modulus) X(contact.poisson_ratio)                  \
+        X(contact.capillary.humidity) X(contact.capillary.temperature)                             \
             X(contact.capillary.surface_energy) X(contact.capillary.molar_volume)                  \
                 X(contact.capillary.contact_angle_1) X(contact.capillary.contact_angle_2)          \
                     X(contact.distance_from) X(contact.distance_to) X(contact.distance_step)       \
@@ -184,10 +186,13 @@ static void check_digest_moves(const haft_case *c, const char *before, bool move
     X(beam.thickness)                                                                              \
     X(beam.gap)                                                                                    \
     X(beam.young_modulus)                                                                          \
-    X(mesh.element_length) X(mesh.load_position) X(programme.crack_length)                         \
-        X(programme.crack_threshold) X(programme.load_limit) X(path.gap_step)                      \
-            X(path.ledger_tolerance) X(path.residual_tolerance) X(path.flow_step)                  \
-                X(reference.paper_crack_length) X(reference.measured_crack_length)
+    X(mesh.element_length)                                                                         \
+    X(mesh.load_position)                                                                          \
+    X(programme.crack_length) X(programme.crack_threshold) X(programme.load_limit)                 \
+        X(path.gap_step) X(path.ledger_tolerance) X(path.residual_tolerance) X(path.flow_step)     \
+            X(reference.paper_crack_length) X(reference.measured_crack_length)                     \
+                X(reference.zero_distance[0]) X(reference.contact_area[0])                         \
+                    X(reference.wet_area[1]) X(reference.asperities[1])
 
 static void digest_follows_the_laws_inputs_alone(void **state) {
     (void)state;
