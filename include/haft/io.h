@@ -149,8 +149,8 @@ typedef struct haft_summary {
     double gamma;            /**< Eq. 36 [J/m^2]; 0 if free */
     double work, dissipated; /**< [J] */
     double ledger_error;
-    double seconds;          /**< time taken; the one number that is not reproducible */
-    int outcome; /**< a haft_outcome */
+    double seconds; /**< time taken; the one number that is not reproducible */
+    int outcome;    /**< a haft_outcome */
     int jumps, steps;
     int unfit; /**< sites whose curve no Morse law fits */
 } haft_summary;

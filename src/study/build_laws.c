@@ -172,7 +172,7 @@ static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_er
         }
         haft_error own = {0};
         haft_status status = do_block(b, &workers[omp_get_thread_num()], (size_t)task, &own);
-#pragma omp critical(haft_study_laws)
+#pragma omp critical
         {
             bool early = false;
             if (status != HAFT_OK && task < failed_task) {
@@ -201,7 +201,9 @@ static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_er
 }
 
 static haft_status run_build(build *b, haft_error *error) {
+    size_t tasks = b->c->realizations * b->blocks;
     int threads = omp_get_max_threads();
+    threads = (size_t)threads < tasks ? threads : (int)tasks;
     worker *workers = haft_memory_alloc((size_t)threads, sizeof *workers, error);
     if (workers == NULL) {
         return HAFT_ERROR_MEMORY;

@@ -38,7 +38,7 @@ haft_status haft_surface_work_create(haft_surface_work **out, const haft_surface
         return HAFT_ERROR_MEMORY;
     }
     work->plan = plan;
-    surface_sizes sizes = work->sizes = surface_plan_sizes(plan);
+    surface_sizes sizes = work->sizes = haft_surface_plan_sizes(plan);
     work->field = haft_memory_alloc(sizes.field, sizeof *work->field, error);
     work->noise = haft_memory_alloc(sizes.tile, sizeof *work->noise, error);
     work->product = haft_memory_alloc(plan->along.fine, sizeof *work->product, error);

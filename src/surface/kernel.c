@@ -197,8 +197,8 @@ static haft_status fit_reach(surface_kernel *kernel, const haft_psd *psd, double
                           tolerance, 1e6 * LONGEST_PHASE / psd->zeta_max, 1.01 * kernel->loss);
 }
 
-haft_status surface_kernel_create(surface_kernel *kernel, const haft_psd *psd, double lattice_step,
-                                  double tolerance, haft_error *error) {
+haft_status haft_surface_kernel_create(surface_kernel *kernel, const haft_psd *psd,
+                                       double lattice_step, double tolerance, haft_error *error) {
     *kernel =
         (surface_kernel){.lattice_step = lattice_step, .spacing = TABLE_PHASE / psd->zeta_max};
     gsl_integration_glfixed_table *rule = gsl_integration_glfixed_table_alloc(BUMP_NODES);
@@ -208,18 +208,18 @@ haft_status surface_kernel_create(surface_kernel *kernel, const haft_psd *psd, d
     haft_status status = fit_reach(kernel, psd, tolerance, rule, error);
     gsl_integration_glfixed_table_free(rule);
     if (status != HAFT_OK) {
-        surface_kernel_destroy(kernel);
+        haft_surface_kernel_destroy(kernel);
     }
     return status;
 }
 
-void surface_kernel_destroy(surface_kernel *kernel) {
+void haft_surface_kernel_destroy(surface_kernel *kernel) {
     haft_memory_free(kernel->table);
     kernel->table = NULL;
     kernel->n = 0;
 }
 
-double surface_kernel_value(const surface_kernel *kernel, double r) {
+double haft_surface_kernel_value(const surface_kernel *kernel, double r) {
     if (r >= kernel->reach) {
         return 0;
     }

@@ -17,11 +17,11 @@ typedef struct surface_kernel {
 } surface_kernel;
 
 /* Builds the kernel with the smallest whole reach whose loss is at most `tolerance`. */
-haft_status surface_kernel_create(surface_kernel *kernel, const haft_psd *psd, double lattice_step,
-                                  double tolerance, haft_error *error);
-void surface_kernel_destroy(surface_kernel *kernel);
+haft_status haft_surface_kernel_create(surface_kernel *kernel, const haft_psd *psd,
+                                       double lattice_step, double tolerance, haft_error *error);
+void haft_surface_kernel_destroy(surface_kernel *kernel);
 
 /* The tapered kernel at distance r >= 0 [m]: zero from the reach on. */
-double surface_kernel_value(const surface_kernel *kernel, double r);
+double haft_surface_kernel_value(const surface_kernel *kernel, double r);
 
 #endif

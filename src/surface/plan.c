@@ -106,7 +106,7 @@ static haft_status check_spec(const haft_surface_spec *spec, haft_error *error) 
     return status != HAFT_OK ? status : check_size("columns", spec->columns, ratio, error);
 }
 
-surface_sizes surface_plan_sizes(const haft_surface_plan *plan) {
+surface_sizes haft_surface_plan_sizes(const haft_surface_plan *plan) {
     const surface_axis *along = &plan->along, *across = &plan->across;
     size_t rows = along->lattice > plan->spec.rows ? along->lattice : plan->spec.rows;
     return (surface_sizes){
@@ -138,7 +138,7 @@ static haft_status transform_rows(const haft_surface_plan *plan, const surface_k
     for (size_t i = 0; i <= extent; i++) {
         memset(line, 0, length * sizeof *line);
         for (size_t j = 0; j <= extent && j < length && i * i + j * j < extent * extent; j++) {
-            line[j] = surface_kernel_value(kernel, step * hypot((double)i, (double)j));
+            line[j] = haft_surface_kernel_value(kernel, step * hypot((double)i, (double)j));
         }
         fftw_execute(fftw);
         memcpy(rows + i * kept, line, kept * sizeof *line);
@@ -215,7 +215,7 @@ static haft_status make_transform(haft_surface_plan *plan, const surface_kernel 
 }
 
 static haft_status make_fftw_plans(haft_surface_plan *plan, haft_error *error) {
-    surface_sizes sizes = surface_plan_sizes(plan);
+    surface_sizes sizes = haft_surface_plan_sizes(plan);
     fftw_complex *noise = haft_memory_alloc(sizes.tile, sizeof *noise, error);
     fftw_complex *tile = haft_memory_alloc(sizes.tile, sizeof *tile, error);
     fftw_complex *product = haft_memory_alloc(plan->along.fine, sizeof *product, error);
@@ -262,7 +262,7 @@ static double mode_energy(const haft_surface_plan *plan, size_t m, size_t n) {
 }
 
 static void fill_facts(haft_surface_plan *plan, const surface_kernel *kernel) {
-    surface_sizes sizes = surface_plan_sizes(plan);
+    surface_sizes sizes = haft_surface_plan_sizes(plan);
     haft_surface_facts *facts = &plan->facts;
     facts->lattice_ratio = plan->ratio;
     facts->reach = kernel->reach;
@@ -302,7 +302,7 @@ static haft_status build_plan(haft_surface_plan *plan, haft_error *error) {
     plan->ratio = haft_surface_lattice_ratio(&spec->psd, spec->grid_step);
     double tolerance = spec->tolerance == 0 ? DEFAULT_TOLERANCE : spec->tolerance;
     surface_kernel kernel;
-    haft_status status = surface_kernel_create(
+    haft_status status = haft_surface_kernel_create(
         &kernel, &spec->psd, (double)plan->ratio * spec->grid_step, tolerance, error);
     if (status != HAFT_OK) {
         return status;
@@ -320,7 +320,7 @@ static haft_status build_plan(haft_surface_plan *plan, haft_error *error) {
     if (status == HAFT_OK) {
         fill_facts(plan, &kernel);
     }
-    surface_kernel_destroy(&kernel);
+    haft_surface_kernel_destroy(&kernel);
     return status;
 }
 

@@ -36,6 +36,6 @@ typedef struct surface_sizes {
     size_t row_real, row_complex; /* one row across, whichever transform is longer */
 } surface_sizes;
 
-surface_sizes surface_plan_sizes(const haft_surface_plan *plan);
+surface_sizes haft_surface_plan_sizes(const haft_surface_plan *plan);
 
 #endif

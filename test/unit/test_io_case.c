@@ -170,29 +170,23 @@ static void check_digest_moves(const haft_case *c, const char *before, bool move
     }
 }
 
-#define REALS_THAT_MATTER(X)                                                                       \
-    X(surface.psd.zeta_max)                                                                        \
-    X(surface.psd.zeta_0)                                                                          \
-    X(surface.psd.s_0)                                                                             \
-    X(surface.psd.s_1)                                                                             \
-    X(surface.grid_step)                                                                           \
-    X(surface.kernel_tolerance) X(contact.young_modulus) X(contact.poisson_ratio)                  \
-        X(contact.capillary.humidity) X(contact.capillary.temperature)                             \
-            X(contact.capillary.surface_energy) X(contact.capillary.molar_volume)                  \
-                X(contact.capillary.contact_angle_1) X(contact.capillary.contact_angle_2)          \
-                    X(contact.distance_from) X(contact.distance_to) X(contact.distance_step)       \
-                        X(law.f_limit) X(beam.length) X(beam.width) X(mesh.l_meso)
-#define REALS_THAT_DO_NOT(X)                                                                       \
-    X(beam.thickness)                                                                              \
-    X(beam.gap)                                                                                    \
-    X(beam.young_modulus)                                                                          \
-    X(mesh.element_length)                                                                         \
-    X(mesh.load_position)                                                                          \
-    X(programme.crack_length) X(programme.crack_threshold) X(programme.load_limit)                 \
-        X(path.gap_step) X(path.ledger_tolerance) X(path.residual_tolerance) X(path.flow_step)     \
-            X(reference.paper_crack_length) X(reference.measured_crack_length)                     \
-                X(reference.zero_distance[0]) X(reference.contact_area[0])                         \
-                    X(reference.wet_area[1]) X(reference.asperities[1])
+/* clang-format off */
+#define REALS_THAT_MATTER(X) \
+    X(surface.psd.zeta_max) X(surface.psd.zeta_0) X(surface.psd.s_0) X(surface.psd.s_1) \
+    X(surface.grid_step) X(surface.kernel_tolerance) X(contact.young_modulus) \
+    X(contact.poisson_ratio) X(contact.capillary.humidity) X(contact.capillary.temperature) \
+    X(contact.capillary.surface_energy) X(contact.capillary.molar_volume) \
+    X(contact.capillary.contact_angle_1) X(contact.capillary.contact_angle_2) \
+    X(contact.distance_from) X(contact.distance_to) X(contact.distance_step) X(law.f_limit) \
+    X(beam.length) X(beam.width) X(mesh.l_meso)
+#define REALS_THAT_DO_NOT(X) \
+    X(beam.thickness) X(beam.gap) X(beam.young_modulus) X(mesh.element_length) \
+    X(mesh.load_position) X(programme.crack_length) X(programme.crack_threshold) \
+    X(programme.load_limit) X(path.gap_step) X(path.ledger_tolerance) \
+    X(path.residual_tolerance) X(path.flow_step) X(reference.paper_crack_length) \
+    X(reference.measured_crack_length) X(reference.zero_distance[0]) \
+    X(reference.contact_area[0]) X(reference.wet_area[1]) X(reference.asperities[1])
+/* clang-format on */
 
 static void digest_follows_the_laws_inputs_alone(void **state) {
     (void)state;
