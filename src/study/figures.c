@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CURVES = 10, SHAPES = 40, SHAPE_POINTS = 400, MAP_POINTS = 300 };
+enum { CURVES = 10, SHAPES = 14, SHAPE_POINTS = 401, MAP_POINTS = 300 };
 
 /* Side of the piece of surface that is shown. */
 #define MAP_SIZE 6e-6
@@ -94,20 +94,12 @@ static haft_status write_surface(const haft_case *c, const char *directory, haft
     return status;
 }
 
-/* Ten curves spread over the first realization, and what the solver makes of each. */
-static haft_status write_laws(const haft_case *c, const haft_laws *laws, const char *directory,
-                              haft_error *error) {
-    haft_site_laws *sites = NULL;
-    haft_case own = *c;
-    own.law.unfit = HAFT_UNFIT_TABLE;
-    haft_status status = haft_study_site_laws(&sites, &own, laws, 0, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    size_t curves = laws->sites < CURVES ? laws->sites : CURVES, columns = 1 + 2 * curves;
+static haft_status write_curves(const haft_laws *laws, const haft_site_laws *sites, size_t curves,
+                                const char *directory, haft_error *error) {
+    size_t columns = 1 + 2 * curves;
     char(*name)[32] = haft_memory_alloc(columns, sizeof *name, error);
     table t = {0};
-    status = name == NULL ? HAFT_ERROR_MEMORY : make_table(&t, laws->n, columns, error);
+    haft_status status = name == NULL ? HAFT_ERROR_MEMORY : make_table(&t, laws->n, columns, error);
     for (size_t i = 0; status == HAFT_OK && i < laws->n; i++) {
         double *row = t.value + i * columns, d = laws->distance[i];
         row[0] = d * 1e9;
@@ -128,6 +120,49 @@ static haft_status write_laws(const haft_case *c, const haft_laws *laws, const c
         status = write_table(&t, directory, "laws.csv", error);
     }
     haft_memory_free(name);
+    return status;
+}
+
+/* The numbers of those curves' laws; NaN where a curve has none. */
+static haft_status write_vectors(const haft_laws *laws, const haft_site_laws *sites, size_t curves,
+                                 const char *directory, haft_error *error) {
+    static const char *const name[] = {"site",       "Morse",        "e [mJ/m2]",    "f_max [MPa]",
+                                       "d_max [nm]", "d_limit [nm]", "f_limit [MPa]"};
+    table t = {0};
+    haft_status status = make_table(&t, curves, 7, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    for (size_t k = 0; k < curves; k++) {
+        size_t site = k * laws->sites / curves;
+        const haft_law_vector *v = &sites->vector[site];
+        double row[7] = {(double)site,        sites->law[site].kind == HAFT_LAW_MORSE,
+                         v->e * 1e3,          v->f_max * 1e-6,
+                         v->d_max * 1e9,      v->d_limit * 1e9,
+                         laws->f_limit * 1e-6};
+        memcpy(t.value + k * 7, row, sizeof row);
+    }
+    for (size_t j = 0; j < 7; j++) {
+        t.column[j].name = name[j];
+    }
+    return write_table(&t, directory, "vectors.csv", error);
+}
+
+/* Ten curves spread over the first realization, and what the solver makes of each. */
+static haft_status write_laws(const haft_case *c, const haft_laws *laws, const char *directory,
+                              haft_error *error) {
+    haft_site_laws *sites = NULL;
+    haft_case own = *c;
+    own.law.unfit = HAFT_UNFIT_TABLE;
+    haft_status status = haft_study_site_laws(&sites, &own, laws, 0, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    size_t curves = laws->sites < CURVES ? laws->sites : CURVES;
+    status = write_curves(laws, sites, curves, directory, error);
+    if (status == HAFT_OK) {
+        status = write_vectors(laws, sites, curves, directory, error);
+    }
     haft_site_laws_destroy(&sites);
     return status;
 }
@@ -145,68 +180,107 @@ static double shape_at(const haft_results_shapes *s, size_t point, double x) {
            (3 * t2 - 2 * t3) * w[e + 1] + l * (t3 - t2) * r[e + 1];
 }
 
-/* Chooses up to `most` accepted states between two points, evenly in the load point's deflection,
- * first and last included. */
-static size_t choose_states(const haft_path *path, size_t from, size_t to, size_t most,
-                            size_t *chosen) {
+/* The first state after the jump between two points that moved the crack most; 0 if none. */
+static size_t find_greatest_jump(const haft_path *path, size_t from, size_t to) {
+    size_t found = 0;
+    double greatest = 0;
+    for (size_t i = from + 1; i <= to; i++) {
+        double moved = fabs(path->point[i].crack_length - path->point[i - 1].crack_length);
+        if (path->point[i].jump >= 0 && moved > greatest) {
+            greatest = moved;
+            found = i;
+        }
+    }
+    return found;
+}
+
+/* Chooses up to SHAPES accepted states between two points, evenly in the load point's deflection,
+ * first and last included, and besides them the two about the greatest jump. */
+static size_t choose_states(const haft_path *path, size_t from, size_t to, size_t landed,
+                            size_t chosen[SHAPES + 2]) {
     double start = path->point[from].deflection, span = path->point[to].deflection - start;
-    size_t n = 0;
+    size_t n = 0, even = 0;
     for (size_t i = from; i <= to; i++) {
         double share = span != 0 ? (path->point[i].deflection - start) / span : 1;
-        bool due = share * (double)(most - 1) >= (double)n - 1e-9;
-        if ((due && n + 1 < most) || i == to) {
+        bool due = even + 1 < SHAPES && share * (SHAPES - 1) >= (double)even - 1e-9;
+        even += due || i == to;
+        if (due || i == to || (landed > 0 && (i == landed || i + 1 == landed))) {
             chosen[n++] = i;
         }
     }
     return n;
 }
 
-/* Heights above the substrate: a block a state, blank rows being the reader's affair: the columns
- * are phase, index of the state, crack length, x, height. */
+static void fill_shape(double *row, const haft_case *c, const haft_path_point *p,
+                       const haft_results_shapes *s, size_t point, const double label[3]) {
+    for (size_t i = 0; i < SHAPE_POINTS; i++, row += 7) {
+        double x = c->beam.length * (double)i / (SHAPE_POINTS - 1);
+        double height = (c->beam.gap - shape_at(s, point, x)) * 1e6;
+        double value[7] = {label[0],      label[1], p->crack_length * 1e6, x * 1e6, height,
+                           p->load * 1e6, label[2]};
+        memcpy(row, value, sizeof value);
+    }
+}
+
+/* Heights above the substrate, SHAPE_POINTS rows a state. */
 static haft_status write_shapes(const haft_case *c, const haft_path *path,
                                 const haft_results_shapes *s, const char *directory,
                                 haft_error *error) {
-    size_t chosen[2 * SHAPES], last = path->points - 1;
-    size_t loading = choose_states(path, 0, path->turn, SHAPES, chosen);
-    size_t n = loading + choose_states(path, path->turn, last, SHAPES, chosen + loading);
+    static const char *const name[] = {"phase",       "state",     "crack length [um]", "x [um]",
+                                       "height [um]", "load [uN]", "at greatest jump"};
+    size_t chosen[2 * (SHAPES + 2)], last = path->points - 1;
+    size_t landed[2] = {find_greatest_jump(path, 0, path->turn),
+                        find_greatest_jump(path, path->turn, last)};
+    size_t loading = choose_states(path, 0, path->turn, landed[0], chosen);
+    size_t n = loading + choose_states(path, path->turn, last, landed[1], chosen + loading);
     table t = {0};
-    haft_status status = make_table(&t, n * SHAPE_POINTS, 5, error);
-    for (size_t k = 0; status == HAFT_OK && k < n; k++) {
-        for (size_t i = 0; i < SHAPE_POINTS; i++) {
-            double x = c->beam.length * (double)i / (SHAPE_POINTS - 1);
-            double *row = t.value + (k * SHAPE_POINTS + i) * 5;
-            row[0] = k < loading ? 0 : 1;
-            row[1] = (double)(k < loading ? k : k - loading);
-            row[2] = path->point[chosen[k]].crack_length * 1e6;
-            row[3] = x * 1e6;
-            row[4] = (c->beam.gap - shape_at(s, chosen[k], x)) * 1e6;
-        }
-    }
-    if (status == HAFT_OK) {
-        static const char *const name[] = {"phase", "state", "crack length [um]", "x [um]",
-                                           "height [um]"};
-        for (size_t j = 0; j < 5; j++) {
-            t.column[j].name = name[j];
-        }
-        status = write_table(&t, directory, "shapes.csv", error);
-    }
-    return status;
-}
-
-static haft_status write_energy(const haft_path *path, const char *directory, haft_error *error) {
-    table t = {0};
-    haft_status status = make_table(&t, path->points, 5, error);
+    haft_status status = make_table(&t, n * SHAPE_POINTS, 7, error);
     if (status != HAFT_OK) {
         return status;
     }
-    for (size_t i = 0; i < path->points; i++) {
-        const haft_path_point *p = &path->point[i];
-        double row[5] = {p->phase, p->jump, p->load * 1e6, p->crack_length * 1e6,
-                         p->internal_energy * 1e12};
-        memcpy(t.value + i * 5, row, sizeof row);
+    for (size_t k = 0; k < n; k++) {
+        bool unloading = k >= loading;
+        size_t jump = landed[unloading];
+        /* 1 just before the jump, 2 just after, else 0 */
+        double mark = jump == 0 ? 0 : chosen[k] + 1 == jump ? 1 : chosen[k] == jump ? 2 : 0;
+        double label[3] = {unloading, (double)(unloading ? k - loading : k), mark};
+        fill_shape(t.value + k * SHAPE_POINTS * 7, c, &path->point[chosen[k]], s, chosen[k], label);
     }
+    for (size_t j = 0; j < 7; j++) {
+        t.column[j].name = name[j];
+    }
+    return write_table(&t, directory, "shapes.csv", error);
+}
+
+/* The accepted states, and before each landing the fold it left from, so that branches end where
+ * they do. */
+static haft_status write_energy(const haft_path *path, const char *directory, haft_error *error) {
     static const char *const name[] = {"phase", "jump", "load [uN]", "crack length [um]",
                                        "internal energy [pJ]"};
+    size_t rows = path->points;
+    for (size_t i = 0; i < path->points; i++) {
+        rows += path->point[i].jump >= 0;
+    }
+    table t = {0};
+    haft_status status = make_table(&t, rows, 5, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    double *row = t.value;
+    for (size_t i = 0; i < path->points; i++) {
+        const haft_path_point *p = &path->point[i];
+        if (p->jump >= 0) {
+            const haft_jump *j = &path->jump[p->jump];
+            double fold[5] = {j->phase, -1, j->load * 1e6, j->crack_before * 1e6,
+                              j->internal_before * 1e12};
+            memcpy(row, fold, sizeof fold);
+            row += 5;
+        }
+        double state[5] = {p->phase, p->jump, p->load * 1e6, p->crack_length * 1e6,
+                           p->internal_energy * 1e12};
+        memcpy(row, state, sizeof state);
+        row += 5;
+    }
     for (size_t j = 0; j < 5; j++) {
         t.column[j].name = name[j];
     }
