@@ -35,6 +35,7 @@ static const struct argp_option OPTIONS[] = {
 static error_t parse(int key, char *value, struct argp_state *state) {
     arguments *a = state->input;
     char *end = NULL;
+    long count;
     switch (key) {
     case KEY_FORCE:
         a->force = true;
@@ -43,10 +44,11 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         a->quiet = true;
         return 0;
     case KEY_THREADS:
-        a->threads = (int)strtol(value, &end, 10);
-        if (*end != '\0' || a->threads < 1 || a->threads > 4096) {
+        count = strtol(value, &end, 10);
+        if (end == value || *end != '\0' || count < 1 || count > 4096) {
             argp_error(state, "--threads must be a whole number from 1 to 4096, not \"%s\"", value);
         }
+        a->threads = (int)count;
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 1) {
@@ -152,7 +154,10 @@ static haft_status build(haft_laws **laws, const haft_case *c, const arguments *
     if (status == HAFT_OK) {
         status = haft_study_build_laws(laws, c, &progress, error);
     }
-    return status == HAFT_OK ? haft_laws_write(*laws, c, path, error) : status;
+    if (status == HAFT_OK) {
+        status = haft_laws_write(*laws, c, path, error);
+    }
+    return status == HAFT_OK ? save_laws_table(*laws, a->folder, error) : status;
 }
 
 int main(int argc, char **argv) {
@@ -188,5 +193,8 @@ int main(int argc, char **argv) {
     }
     haft_laws_destroy(&laws);
     haft_case_destroy(&c);
-    return status == HAFT_OK ? EXIT_OK : terminal_fail(&t, status, &error);
+    if (status != HAFT_OK && building) {
+        drop_empty_out_folder(a.folder);
+    }
+    return status == HAFT_OK ? terminal_finish(&t, EXIT_OK) : terminal_fail(&t, status, &error);
 }

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
-#include "terminal.h"
+#include "draw.h"
 
 #include <argp.h>
 #include <errno.h>
 #include <math.h>
 #include <omp.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_JSON = 'j', KEY_THREADS = 't', KEY_REALIZATION = 'r' };
@@ -41,13 +40,14 @@ static const struct argp_option OPTIONS[] = {
      "plot: the beam whose path is drawn (default: the first with evidence)", 0},
     {0}};
 
-static long parse_count(struct argp_state *state, const char *text, long least, const char *what) {
+static long parse_count(struct argp_state *state, const char *text, long least, long most,
+                        const char *what) {
     char *end = NULL;
     errno = 0;
     long value = strtol(text, &end, 10);
-    if (errno != 0 || end == text || *end != '\0' || value < least || value > 1000000000) {
-        argp_error(state, "%s must be a whole number of at least %ld, not \"%s\"", what, least,
-                   text);
+    if (errno != 0 || end == text || *end != '\0' || value < least || value > most) {
+        argp_error(state, "%s must be a whole number from %ld to %ld, not \"%s\"", what, least,
+                   most, text);
     }
     return value;
 }
@@ -65,10 +65,10 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         a->json = true;
         return 0;
     case KEY_THREADS:
-        a->threads = (int)parse_count(state, value, 1, "--threads");
+        a->threads = (int)parse_count(state, value, 1, 4096, "--threads");
         return 0;
     case KEY_REALIZATION:
-        a->realization = parse_count(state, value, 0, "--realization");
+        a->realization = parse_count(state, value, 0, 1000000000, "--realization");
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 1) {
@@ -221,6 +221,10 @@ static haft_status save_resolved(const haft_case *c, const char *folder, haft_er
 
 /* Results that are there are refused before hours go into new ones. */
 static haft_status refuse_existing(const char *path, bool force, haft_error *error) {
+    struct stat found;
+    if (stat(path, &found) == 0 && S_ISDIR(found.st_mode)) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s is a directory; move it away", path);
+    }
     if (!force && access(path, F_OK) == 0) {
         return haft_error_set(error, HAFT_ERROR_EXISTS,
                               "%s is there already; add --force to replace it", path);
@@ -228,7 +232,7 @@ static haft_status refuse_existing(const char *path, bool force, haft_error *err
     return HAFT_OK;
 }
 
-static haft_status prepare_run(const haft_case *c, const arguments *a, char results[PATH_CAPACITY],
+static haft_status prepare_run(const arguments *a, char results[PATH_CAPACITY],
                                char laws[PATH_CAPACITY], haft_error *error) {
     haft_status status = case_out_path(results, a->folder, "results.h5", error);
     if (status == HAFT_OK) {
@@ -237,20 +241,49 @@ static haft_status prepare_run(const haft_case *c, const arguments *a, char resu
     if (status == HAFT_OK) {
         status = refuse_existing(results, a->force, error);
     }
+    return status == HAFT_OK ? make_out_folder(a->folder, NULL, error) : status;
+}
+
+/* What lies beside results.h5, written once that is in place: so the two always belong together. */
+static haft_status save_companions(const haft_case *c, const haft_summary *summary,
+                                   const haft_laws *laws, const char *folder, haft_error *error) {
+    char csv[PATH_CAPACITY];
+    haft_status status = save_resolved(c, folder, error);
     if (status == HAFT_OK) {
-        status = make_out_folder(a->folder, NULL, error);
+        status = save_laws_table(laws, folder, error);
     }
-    return status == HAFT_OK ? save_resolved(c, a->folder, error) : status;
+    if (status == HAFT_OK) {
+        status = case_out_path(csv, folder, "summary.csv", error);
+    }
+    return status == HAFT_OK ? haft_study_write_summary(summary, c->realizations, csv, error)
+                             : status;
+}
+
+/* Everything is saved, but a script must learn that not all beams have a result. */
+static haft_status tell_failures(const haft_case *c, const haft_summary *summary,
+                                 const char *results, haft_error *error) {
+    haft_statistics s = haft_study_statistics(c, summary, c->realizations);
+    for (size_t k = 0; k < c->realizations && s.failed > 0; k++) {
+        int outcome = summary[k].outcome;
+        if (outcome >= 0 && outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE) {
+            return haft_error_set(error, HAFT_ERROR_NUMERIC,
+                                  "%zu of %zu beams could not be followed to the end, the first of "
+                                  "them realization %zu (%s); all are kept in %s",
+                                  s.failed, s.run, k, haft_outcome_name((haft_outcome)outcome),
+                                  results);
+        }
+    }
+    return HAFT_OK;
 }
 
 static int command_run(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
-    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], csv[PATH_CAPACITY];
+    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY];
     char digest[HAFT_DIGEST_CAPACITY];
     haft_laws *laws = NULL;
     haft_progress progress = terminal_progress(t);
     haft_summary *summary = NULL;
-    haft_status status = prepare_run(c, a, results, laws_path, &error);
+    haft_status status = prepare_run(a, results, laws_path, &error);
     if (status == HAFT_OK) {
         summary = haft_memory_alloc(c->realizations, sizeof *summary, &error);
         status = summary == NULL
@@ -262,19 +295,22 @@ static int command_run(const haft_case *c, const arguments *a, terminal *t) {
         bool partly = status == HAFT_ERROR_INTERRUPTED;
         if (status == HAFT_OK || partly) {
             haft_error own = {0};
-            haft_status csv_status = case_out_path(csv, a->folder, "summary.csv", &own);
-            if (csv_status == HAFT_OK) {
-                csv_status = haft_study_write_summary(summary, c->realizations, csv, &own);
-            }
+            haft_status saved = save_companions(c, summary, laws, a->folder, &own);
             print_result(c, summary, a->json);
-            if (csv_status != HAFT_OK) {
-                status = csv_status;
+            if (saved == HAFT_OK && !partly) {
+                saved = tell_failures(c, summary, results, &own);
+            }
+            if (saved != HAFT_OK) {
+                status = saved;
                 error = own;
             }
         }
     }
     haft_laws_destroy(&laws);
     haft_memory_free(summary);
+    if (status != HAFT_OK) {
+        drop_empty_out_folder(a->folder);
+    }
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
@@ -287,138 +323,13 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     haft_results_view *view = NULL;
     haft_status status = case_out_path(path, a->folder, "results.h5", &error);
     if (status == HAFT_OK) {
-        status = haft_results_read(&view, path, &error);
+        status = read_results(&view, c, path, &error);
     }
-    if (status != HAFT_OK) {
-        return terminal_fail(t, status, &error);
-    }
-    if (view->realizations == c->realizations) {
+    if (status == HAFT_OK) {
         print_result(c, view->summary, a->json);
-    } else {
-        error.message[0] = '\0';
-        status = haft_error_set(&error, HAFT_ERROR_INPUT,
-                                "%s holds %zu realizations, the case asks for %zu; run it again "
-                                "with --force",
-                                path, view->realizations, c->realizations);
     }
     haft_results_view_destroy(&view);
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
-}
-
-/* ---- plot
- * ---------------------------------------------------------------------------------------- */
-
-/* The plot scripts lie beside an installed program, or in the source it was built from. */
-static void find_scripts(char path[PATH_CAPACITY]) {
-    char program[PATH_CAPACITY];
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(program, '/');
-    if (slash != NULL) {
-        *slash = '\0';
-        int n = snprintf(path, PATH_CAPACITY, "%s/../share/haft/plot", program);
-        if (n > 0 && n < PATH_CAPACITY && access(path, R_OK) == 0) {
-            return;
-        }
-    }
-    const char *const places[] = {HAFT_PLOT_DIR_INSTALLED, HAFT_PLOT_DIR_SOURCE};
-    snprintf(path, PATH_CAPACITY, "%s", places[access(places[0], R_OK) == 0 ? 0 : 1]);
-}
-
-/* Runs gnuplot on one script inside the folder of the figures. */
-static haft_status draw(const char *scripts, const char *name, const char *folder,
-                        const char *definitions, haft_error *error) {
-    char script[PATH_CAPACITY + 64];
-    snprintf(script, sizeof script, "%s/%s.gp", scripts, name);
-    char *const command[] = {(char[]){"gnuplot"}, (char[]){"-e"}, strdup(definitions), script,
-                               NULL};
-    extern char **environ;
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addchdir_np(&actions, folder);
-    pid_t child;
-    int why = posix_spawnp(&child, "gnuplot", &actions, NULL, command, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    free(command[2]);
-    if (why != 0) {
-        return haft_error_set(error, HAFT_ERROR_IO,
-                              "gnuplot cannot be run: %s; install it (Debian: gnuplot-nox). The "
-                              "data are in %s as CSV",
-                              strerror(why), folder);
-    }
-    int state = 0;
-    while (waitpid(child, &state, 0) < 0 && errno == EINTR) {
-    }
-    if (!WIFEXITED(state) || WEXITSTATUS(state) != 0) {
-        return haft_error_set(error, HAFT_ERROR_LIBRARY, "gnuplot failed on %s", script);
-    }
-    return HAFT_OK;
-}
-
-static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
-    static const char *const figures[] = {"surface", "laws", "shapes", "energy", "cracks"};
-    char scripts[PATH_CAPACITY], definitions[512];
-    find_scripts(scripts);
-    snprintf(definitions, sizeof definitions,
-             "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g",
-             isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
-             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
-                                                          : -1,
-             c->beam.length * 1e6, c->beam.gap * 1e6);
-    setenv("HAFT_TITLE", c->title, 1);
-    haft_status status = HAFT_OK;
-    for (size_t i = 0; status == HAFT_OK && i < sizeof figures / sizeof *figures; i++) {
-        status = draw(scripts, figures[i], folder, definitions, error);
-    }
-    return status;
-}
-
-static haft_status choose_realization(const haft_case *c, long asked, size_t *chosen,
-                                      haft_error *error) {
-    *chosen = asked >= 0 ? (size_t)asked : c->evidence.count > 0 ? c->evidence.realization[0] : 0;
-    if (*chosen >= c->realizations) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "there is no realization %ld; the case has 0 to %zu", asked,
-                              c->realizations - 1);
-    }
-    return HAFT_OK;
-}
-
-static int command_plot(const haft_case *c, const arguments *a, terminal *t) {
-    haft_error error = {0};
-    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], folder[PATH_CAPACITY];
-    haft_laws *laws = NULL;
-    size_t realization = 0;
-    haft_status status = choose_realization(c, a->realization, &realization, &error);
-    if (status == HAFT_OK) {
-        status = case_out_path(results, a->folder, "results.h5", &error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(laws_path, a->folder, "laws.h5", &error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(folder, a->folder, "plots", &error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_laws_read(&laws, NULL, laws_path, &error);
-    }
-    if (status == HAFT_OK) {
-        status = make_out_folder(a->folder, "plots", &error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_write_figures(c, laws, results, realization, folder, &error);
-    }
-    if (status == HAFT_OK) {
-        status = draw_all(c, folder, &error);
-    }
-    haft_laws_destroy(&laws);
-    if (status != HAFT_OK) {
-        return terminal_fail(t, status, &error);
-    }
-    if (!a->quiet) {
-        printf("figures in %s\n", folder);
-    }
-    return EXIT_OK;
 }
 
 int main(int argc, char **argv) {
@@ -450,8 +361,8 @@ int main(int argc, char **argv) {
     }
     int code = command == 0   ? command_check(c, &a)
                : command == 1 ? command_run(c, &a, &t)
-               : command == 2 ? command_plot(c, &a, &t)
+               : command == 2 ? draw_case(c, a.folder, a.realization, &t)
                               : command_info(c, &a, &t);
     haft_case_destroy(&c);
-    return code;
+    return terminal_finish(&t, code);
 }

@@ -3,6 +3,7 @@
 #include "terminal.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,8 +23,19 @@ static double now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* A standard stream that came closed would give its number to the next file opened, and progress
+ * would be written into the results. It is opened the wrong way round, so that using it fails. */
+static void occupy_standard_streams(void) {
+    for (int number = 0; number <= STDERR_FILENO; number++) {
+        if (fcntl(number, F_GETFD) == -1) {
+            (void)!open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+        }
+    }
+}
+
 void terminal_open(terminal *t, const char *program, bool quiet) {
     *t = (terminal){.program = program, .quiet = quiet, .live = isatty(STDERR_FILENO) == 1};
+    occupy_standard_streams();
     struct sigaction action = {.sa_handler = catch_signal};
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
@@ -119,6 +131,17 @@ int terminal_fail(terminal *t, haft_status status, const haft_error *error) {
     return EXIT_INTERNAL;
 }
 
+int terminal_finish(terminal *t, int code) {
+    errno = 0;
+    bool arrived = fflush(stdout) == 0 && ferror(stdout) == 0;
+    if (!arrived && code == EXIT_OK) {
+        fprintf(stderr, "%s: standard output cannot be written: %s\n", t->program,
+                errno != 0 ? strerror(errno) : "an earlier write failed");
+        return EXIT_IO;
+    }
+    return code;
+}
+
 static haft_status join(char path[PATH_CAPACITY], const char *folder, const char *middle,
                         const char *name, haft_error *error) {
     int length = snprintf(path, PATH_CAPACITY, "%s/%s%s", folder, middle, name);
@@ -139,12 +162,16 @@ haft_status case_out_path(char path[PATH_CAPACITY], const char *folder, const ch
 
 static haft_status make_folder(const char *path, haft_error *error) {
     struct stat found;
-    if (mkdir(path, 0777) == 0 ||
-        (errno == EEXIST && stat(path, &found) == 0 && S_ISDIR(found.st_mode))) {
-        return HAFT_OK;
+    if (mkdir(path, 0777) != 0 &&
+        !(errno == EEXIST && stat(path, &found) == 0 && S_ISDIR(found.st_mode))) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot make this folder: %s", path,
+                              strerror(errno));
     }
-    return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot make this folder: %s", path,
-                          strerror(errno));
+    if (access(path, W_OK | X_OK) != 0) { /* told before the work, not after */
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot write into this folder: %s", path,
+                              strerror(errno));
+    }
+    return HAFT_OK;
 }
 
 haft_status make_out_folder(const char *folder, const char *name, haft_error *error) {
@@ -160,6 +187,13 @@ haft_status make_out_folder(const char *folder, const char *name, haft_error *er
         }
     }
     return status;
+}
+
+void drop_empty_out_folder(const char *folder) {
+    char path[PATH_CAPACITY];
+    if (case_path(path, folder, "out", NULL) == HAFT_OK) {
+        rmdir(path); /* fails where anything is in it, as it should */
+    }
 }
 
 haft_status read_case(haft_case **out, const char *folder, haft_error *error) {
@@ -178,4 +212,23 @@ haft_status read_case(haft_case **out, const char *folder, haft_error *error) {
                               "%s is no folder; give the folder that holds case.yaml", folder);
     }
     return haft_case_read(out, path, error);
+}
+
+haft_status save_laws_table(const haft_laws *laws, const char *folder, haft_error *error) {
+    char path[PATH_CAPACITY];
+    haft_status status = case_out_path(path, folder, "laws.csv", error);
+    return status == HAFT_OK ? haft_study_write_laws(laws, path, error) : status;
+}
+
+haft_status read_results(haft_results_view **out, const haft_case *c, const char *path,
+                         haft_error *error) {
+    haft_status status = haft_results_read(out, path, error);
+    if (status == HAFT_OK && (*out)->realizations != c->realizations) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s holds %zu realizations, the case asks for %zu; run it again "
+                                "with --force",
+                                path, (*out)->realizations, c->realizations);
+        haft_results_view_destroy(out);
+    }
+    return status;
 }

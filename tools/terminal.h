@@ -45,6 +45,10 @@ void terminal_close_line(terminal *t);
 /* Prints an error and gives the exit code for its status. */
 int terminal_fail(terminal *t, haft_status status, const haft_error *error);
 
+/* The exit code of a program that has nothing more to say: `code`, or EXIT_IO if what was printed
+ * did not arrive. */
+int terminal_finish(terminal *t, int code);
+
 /* CASE/name, or CASE/out/name. */
 haft_status case_path(char path[PATH_CAPACITY], const char *folder, const char *name,
                       haft_error *error);
@@ -54,7 +58,17 @@ haft_status case_out_path(char path[PATH_CAPACITY], const char *folder, const ch
 /* Makes CASE/out (and CASE/out/name, where name is not NULL) if need be. */
 haft_status make_out_folder(const char *folder, const char *name, haft_error *error);
 
+/* Takes CASE/out away again if nothing is in it, as after a failure. */
+void drop_empty_out_folder(const char *folder);
+
 /* Reads CASE/case.yaml. */
 haft_status read_case(haft_case **out, const char *folder, haft_error *error);
+
+/* Writes CASE/out/laws.csv. */
+haft_status save_laws_table(const haft_laws *laws, const char *folder, haft_error *error);
+
+/* Reads results that hold the case's number of realizations. */
+haft_status read_results(haft_results_view **out, const haft_case *c, const char *path,
+                         haft_error *error);
 
 #endif

@@ -46,7 +46,7 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
                                    const haft_progress *progress,
                                    haft_error *error) HAFT_MUST_CHECK;
 
-/** How many laws of a set carry each fault. */
+/** How many laws of a set carry each fault. Thread-safe. */
 void haft_study_count_faults(const haft_laws *laws, size_t count[HAFT_LAW_FAULTS]);
 
 /** The laws of one realization as the solver takes them; the tables behind them are its own. */
@@ -90,6 +90,11 @@ haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *su
 /** Writes summary.csv, one row a realization. */
 haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
                                      haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes laws.csv, one row a law: its vector, its fault (a haft_law_fault) and what its patch
+ * looks like where the force vanishes. */
+haft_status haft_study_write_laws(const haft_laws *laws, const char *path,
+                                  haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes the data of a case's figures as CSV into `directory`, which must exist: surface.csv (a
  *  piece of realization 0's surface), laws.csv (ten of its curves and the laws they became),

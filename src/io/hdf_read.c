@@ -79,8 +79,10 @@ static void open_checked(haft_hdf *hdf, bool verify) {
     struct stat facts;
     int descriptor = open(hdf->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0 || fstat(descriptor, &facts) != 0) {
-        hdf->status = haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be opened: %s",
-                                     hdf->path, strerror(errno));
+        bool missing = errno == ENOENT;
+        hdf->status =
+            haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be opened: %s%s%s", hdf->path,
+                           strerror(errno), missing ? "; " : "", missing ? hdf->remedy : "");
     } else if (!S_ISREG(facts.st_mode)) {
         hdf->status = haft_error_set(hdf->error, HAFT_ERROR_IO,
                                      "%s: is a directory or a device; give a file", hdf->path);

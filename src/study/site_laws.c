@@ -20,15 +20,17 @@ static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r
 static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_laws *laws, size_t r,
                             size_t k, haft_error *error) {
     haft_law_fault fault = laws->fault[k];
+    haft_law morse;
+    if (fault == HAFT_LAW_SOUND) {
+        fault = haft_law_morse(&morse, &laws->vector[k], laws->f_limit);
+    }
     s->vector[r] = laws->vector[k];
     s->unfit += fault != HAFT_LAW_SOUND;
     if (c->law.kind == HAFT_LAW_TABLE) {
         return make_table(s, laws, r, k, error);
     }
     if (fault == HAFT_LAW_SOUND) {
-        fault = haft_law_morse(&s->law[r], &laws->vector[k], laws->f_limit);
-    }
-    if (fault == HAFT_LAW_SOUND) {
+        s->law[r] = morse;
         return HAFT_OK;
     }
     if (c->law.unfit == HAFT_UNFIT_STOP) {

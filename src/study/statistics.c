@@ -45,33 +45,3 @@ haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *su
     }
     return s;
 }
-
-haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
-                                     haft_error *error) {
-    enum { COLUMNS = 9 };
-    double *flat = haft_memory_alloc(n * COLUMNS, sizeof *flat, error);
-    if (flat == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    static const char *const name[COLUMNS] = {
-        "realization",     "outcome",   "crack length [um]", "loaded crack length [um]",
-        "Gamma [mJ/m2]",   "work [pJ]", "dissipated [pJ]",   "jumps",
-        "ledger error [1]"};
-    haft_csv_column column[COLUMNS];
-    for (size_t k = 0; k < n; k++) {
-        const haft_summary *s = &summary[k];
-        double row[COLUMNS] = {
-            (double)k,      s->outcome,     s->crack_length * 1e6, s->loaded_crack_length * 1e6,
-            s->gamma * 1e3, s->work * 1e12, s->dissipated * 1e12,  s->jumps,
-            s->ledger_error};
-        for (int i = 0; i < COLUMNS; i++) {
-            flat[k * COLUMNS + (size_t)i] = row[i];
-        }
-    }
-    for (int i = 0; i < COLUMNS; i++) {
-        column[i] = (haft_csv_column){name[i], flat + i, COLUMNS, 1};
-    }
-    haft_status status = haft_csv_write(path, n, COLUMNS, column, error);
-    haft_memory_free(flat);
-    return status;
-}

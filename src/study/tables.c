@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Summaries as CSV, for whoever has no HDF5 at hand. */
+#include "haft/study.h"
+
+haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
+                                     haft_error *error) {
+    enum { COLUMNS = 9 };
+    double *flat = haft_memory_alloc(n * COLUMNS, sizeof *flat, error);
+    if (flat == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    static const char *const name[COLUMNS] = {
+        "realization",     "outcome",   "crack length [um]", "loaded crack length [um]",
+        "Gamma [mJ/m2]",   "work [pJ]", "dissipated [pJ]",   "jumps",
+        "ledger error [1]"};
+    haft_csv_column column[COLUMNS];
+    for (size_t k = 0; k < n; k++) {
+        const haft_summary *s = &summary[k];
+        double row[COLUMNS] = {
+            (double)k,      s->outcome,     s->crack_length * 1e6, s->loaded_crack_length * 1e6,
+            s->gamma * 1e3, s->work * 1e12, s->dissipated * 1e12,  s->jumps,
+            s->ledger_error};
+        for (int i = 0; i < COLUMNS; i++) {
+            flat[k * COLUMNS + (size_t)i] = row[i];
+        }
+    }
+    for (int i = 0; i < COLUMNS; i++) {
+        column[i] = (haft_csv_column){name[i], flat + i, COLUMNS, 1};
+    }
+    haft_status status = haft_csv_write(path, n, COLUMNS, column, error);
+    haft_memory_free(flat);
+    return status;
+}
+
+haft_status haft_study_write_laws(const haft_laws *laws, const char *path, haft_error *error) {
+    enum { COLUMNS = 11 };
+    double *flat = haft_memory_alloc(laws->m * COLUMNS, sizeof *flat, error);
+    if (flat == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    static const char *const name[COLUMNS] = {"realization",
+                                              "site",
+                                              "fault",
+                                              "e [mJ/m2]",
+                                              "f_max [MPa]",
+                                              "d_max [nm]",
+                                              "d_limit [nm]",
+                                              "zero-force distance [nm]",
+                                              "contact area [1]",
+                                              "wet area [1]",
+                                              "asperities in contact [1]"};
+    haft_csv_column column[COLUMNS];
+    for (size_t k = 0; k < laws->m; k++) {
+        const haft_law_vector *v = &laws->vector[k];
+        double row[COLUMNS] = {(double)(k / laws->sites),
+                               (double)(k % laws->sites),
+                               laws->fault[k],
+                               v->e * 1e3,
+                               v->f_max * 1e-6,
+                               v->d_max * 1e9,
+                               v->d_limit * 1e9,
+                               laws->zero_distance[k] * 1e9,
+                               laws->contact_area[k],
+                               laws->wet_area[k],
+                               laws->asperities[k]};
+        for (int i = 0; i < COLUMNS; i++) {
+            flat[k * COLUMNS + (size_t)i] = row[i];
+        }
+    }
+    for (int i = 0; i < COLUMNS; i++) {
+        column[i] = (haft_csv_column){name[i], flat + i, COLUMNS, 1};
+    }
+    haft_status status = haft_csv_write(path, laws->m, COLUMNS, column, error);
+    haft_memory_free(flat);
+    return status;
+}

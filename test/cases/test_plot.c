@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The figures of a run: all are drawn where gnuplot is, and what is missing is told. */
+#include "program.h"
+
+static bool have_gnuplot(void) {
+    return system("gnuplot --version > /dev/null 2>&1") == 0;
+}
+
+/* Each is a PNG picture with its end in place and something in it. */
+static void check_pictures(const case_folder *c) {
+    static const char *const names[] = {"surface", "laws",   "shapes",
+                                        "energy",  "cracks", "overview"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char name[100], path[400];
+        size_t size = 0;
+        snprintf(name, sizeof name, "out/plots/%s.png", names[i]);
+        char *picture = read_whole_file(path_in(c, name, path), &size);
+        assert_true(size > 4000);
+        assert_memory_equal(picture, "\x89PNG\r\n\x1a\n", 8);
+        assert_memory_equal(picture + size - 8, "IEND", 4);
+        free(picture);
+    }
+}
+
+static void a_run_is_drawn(void **state) {
+    (void)state;
+    if (!have_gnuplot()) {
+        skip();
+    }
+    /* a title that would run or break a plot script if it were evaluated */
+    case_folder c = case_create(
+        (edit[]){{"title: DelRio cantilevers, RH 85 %, explicit force laws",
+                  "title: \"It's 50 % \\\"{x_1}\\\" `touch hacked` $(touch hacked) @a ^b &c\""},
+                 {NULL, NULL}});
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    ran r = run_expect(0, HAFT, ARGS("plot", c.path));
+    check_says(r.out, "figures in ");
+    check_says(r.out, "out/plots");
+    assert_string_equal(r.err, "");
+    ran_free(&r);
+    check_pictures(&c);
+    assert_false(exists(&c, "out/plots/hacked"));
+    case_remove(&c);
+}
+
+/* Beams that let go, dry contact, tables: whatever a run brings forth can be drawn. */
+static void odd_runs_are_drawn_too(void **state) {
+    (void)state;
+    if (!have_gnuplot()) {
+        skip();
+    }
+    static const edit variants[][3] = {
+        {{"thickness: 1 um", "thickness: 10 um"}},
+        {{"realizations: 2", "realizations: 1"}, {"kind: morse", "kind: table"}},
+    };
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
+        case_folder c = case_create(variants[i]);
+        must_run(HAFT, ARGS("run", "--quiet", c.path));
+        ran r = run_expect(0, HAFT, ARGS("plot", c.path));
+        assert_string_equal(r.err, "");
+        ran_free(&r);
+        check_pictures(&c);
+        case_remove(&c);
+    }
+}
+
+static void what_is_missing_is_told(void **state) {
+    (void)state;
+    case_folder c = case_create(NULL);
+    ran r = run_expect(4, HAFT, ARGS("plot", c.path));
+    check_says(r.err, ".h5: cannot be opened: No such file");
+    check_says(r.err, "haft");
+    ran_free(&r);
+    assert_false(exists(&c, "out"));
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    r = run_expect(3, HAFT, ARGS("plot", "--realization", "2", c.path));
+    check_says(r.err, "there is no realization 2; the case has 0 to 1");
+    ran_free(&r);
+    r = run_expect(3, HAFT, ARGS("plot", "--realization", "1", c.path));
+    check_says(r.err, "evidence");
+    ran_free(&r);
+    /* no gnuplot on the path: the data are there all the same, and said to be */
+    char command[800];
+    snprintf(command, sizeof command, "PATH=/nowhere exec '%s' plot '%s'", HAFT, c.path);
+    r = run_expect(4, "/bin/sh", ARGS("-c", command));
+    check_says(r.err, "gnuplot cannot be run");
+    check_says(r.err, "as CSV");
+    ran_free(&r);
+    assert_true(exists(&c, "out/plots/energy.csv"));
+    case_remove(&c);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_run_is_drawn),
+        cmocka_unit_test(odd_runs_are_drawn_too),
+        cmocka_unit_test(what_is_missing_is_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

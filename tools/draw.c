@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Drawing a finished run: its data as CSV by the library, its figures by gnuplot. */
+#include "draw.h"
+
+#include <errno.h>
+#include <math.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* The plot scripts lie beside an installed program, or in the source it was built from. */
+static void find_scripts(char path[PATH_CAPACITY]) {
+    char program[PATH_CAPACITY];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(program, '/');
+    if (slash != NULL) {
+        *slash = '\0';
+        int n = snprintf(path, PATH_CAPACITY, "%s/../share/haft/plot", program);
+        if (n > 0 && n < PATH_CAPACITY && access(path, R_OK) == 0) {
+            return;
+        }
+    }
+    const char *const places[] = {HAFT_PLOT_DIR_INSTALLED, HAFT_PLOT_DIR_SOURCE};
+    snprintf(path, PATH_CAPACITY, "%s", places[access(places[0], R_OK) == 0 ? 0 : 1]);
+}
+
+/* Runs gnuplot on one script inside the folder of the figures. */
+static haft_status draw(const char *scripts, const char *name, const char *folder,
+                        const char *definitions, haft_error *error) {
+    char script[PATH_CAPACITY + 64];
+    snprintf(script, sizeof script, "%s/%s.gp", scripts, name);
+    /* -d: the user's own ~/.gnuplot must not change the figures */
+    char *const command[] = {(char[]){"gnuplot"}, (char[]){"-d"}, (char[]){"-e"},
+                             strdup(definitions), script,         NULL};
+    extern char **environ;
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addchdir_np(&actions, folder);
+    pid_t child;
+    int why = posix_spawnp(&child, "gnuplot", &actions, NULL, command, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    free(command[3]);
+    if (why != 0) {
+        return haft_error_set(error, HAFT_ERROR_IO,
+                              "gnuplot cannot be run: %s; install it (Debian: gnuplot-nox). The "
+                              "data are in %s as CSV",
+                              strerror(why), folder);
+    }
+    int state = 0;
+    while (waitpid(child, &state, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFEXITED(state) || WEXITSTATUS(state) != 0) {
+        return haft_error_set(error, HAFT_ERROR_LIBRARY, "gnuplot failed on %s", script);
+    }
+    return HAFT_OK;
+}
+
+static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
+    static const char *const figures[] = {"surface", "laws",   "shapes",
+                                          "energy",  "cracks", "overview"};
+    char scripts[PATH_CAPACITY], definitions[512];
+    find_scripts(scripts);
+    snprintf(definitions, sizeof definitions,
+             "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g",
+             isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
+             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
+                                                          : -1,
+             c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6);
+    setenv("HAFT_TITLE", c->title, 1);
+    setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
+    setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
+    haft_status status = HAFT_OK;
+    for (size_t i = 0; status == HAFT_OK && i < sizeof figures / sizeof *figures; i++) {
+        status = draw(scripts, figures[i], folder, definitions, error);
+    }
+    return status;
+}
+
+static haft_status choose_realization(const haft_case *c, long asked, size_t *chosen,
+                                      haft_error *error) {
+    *chosen = asked >= 0 ? (size_t)asked : c->evidence.count > 0 ? c->evidence.realization[0] : 0;
+    if (*chosen >= c->realizations) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "there is no realization %ld; the case has 0 to %zu", asked,
+                              c->realizations - 1);
+    }
+    return HAFT_OK;
+}
+
+/* The laws, if they are those of the case as it stands. */
+static haft_status read_matching_laws(haft_laws **laws, const haft_case *c, const char *path,
+                                      haft_error *error) {
+    char built[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
+    haft_status status = haft_laws_read(laws, built, path, error);
+    if (status == HAFT_OK) {
+        status = haft_case_laws_digest(c, wanted, error);
+    }
+    if (status == HAFT_OK && strcmp(built, wanted) != 0) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s was built from other inputs than the case has now; run the "
+                                "case again with --force",
+                                path);
+    }
+    return status;
+}
+
+int draw_case(const haft_case *c, const char *case_folder, long asked, terminal *t) {
+    haft_error error = {0};
+    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], folder[PATH_CAPACITY];
+    haft_laws *laws = NULL;
+    haft_results_view *view = NULL;
+    size_t realization = 0;
+    haft_status status = choose_realization(c, asked, &realization, &error);
+    if (status == HAFT_OK) {
+        status = case_out_path(results, case_folder, "results.h5", &error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(laws_path, case_folder, "laws.h5", &error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(folder, case_folder, "plots", &error);
+    }
+    if (status == HAFT_OK) {
+        status = read_matching_laws(&laws, c, laws_path, &error);
+    }
+    if (status == HAFT_OK) {
+        status = read_results(&view, c, results, &error);
+        haft_results_view_destroy(&view);
+    }
+    if (status == HAFT_OK) {
+        status = make_out_folder(case_folder, "plots", &error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_write_figures(c, laws, results, realization, folder, &error);
+    }
+    if (status == HAFT_OK) {
+        status = draw_all(c, folder, &error);
+    }
+    haft_laws_destroy(&laws);
+    if (status != HAFT_OK) {
+        return terminal_fail(t, status, &error);
+    }
+    if (!t->quiet) {
+        printf("figures in %s\n", folder);
+    }
+    return EXIT_OK;
+}

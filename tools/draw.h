@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Drawing a finished run. */
+#ifndef HAFT_TOOLS_DRAW_H
+#define HAFT_TOOLS_DRAW_H
+
+#include "terminal.h"
+
+/* Draws the figures of CASE into CASE/out/plots, the path being that of the realization asked for,
+ * or of the first that left evidence if that is -1. @return the program's exit code */
+int draw_case(const haft_case *c, const char *case_folder, long asked, terminal *t);
+
+#endif
