@@ -18,8 +18,13 @@ void haft_random_words(haft_random_key key, uint64_t realization, uint64_t site,
     }
 }
 
+/* Signed, for that conversion is one instruction. */
+static inline double uniform(uint64_t word) {
+    return ((double)(int64_t)(word >> 11) + 0.5) * 0x1p-53;
+}
+
 double haft_random_uniform(uint64_t word) {
-    return ((double)(word >> 11) + 0.5) * 0x1p-53;
+    return uniform(word);
 }
 
 static inline double central_quantile(double q) {
@@ -119,32 +124,49 @@ double haft_random_normal_quantile(double p) {
 
 enum { BATCH = 256 };
 
-/* Uniforms number first, first + 1, ... of a stream. Draws are taken two at a time: their rounds
- * are independent, and one alone leaves the multiplier idle. */
-static void fill_uniforms(haft_random_key key, uint64_t realization, uint64_t site, uint64_t first,
-                          size_t n, double *u) {
+enum { TOGETHER = 4, WORDS = 4 * TOGETHER };
+
+/* Uniforms number first, first + 1, ... of a stream. Several draws are taken together, round by
+ * round: they are independent, and one alone leaves the multiplier idle. */
+static inline __attribute__((always_inline)) void draw_together(haft_random_key key,
+                                                                uint64_t realization, uint64_t site,
+                                                                uint64_t draw, double u[WORDS]) {
     philox4x64_key_t philox_key = {{key.seed, key.purpose}};
-    double pair[8];
+    philox4x64_ctr_t at[TOGETHER];
+    for (uint64_t i = 0; i < TOGETHER; i++) {
+        at[i] = (philox4x64_ctr_t){{realization, site, draw + i, 0}};
+    }
+    for (int round = 0; round < philox4x64_rounds; round++) {
+        for (int i = 0; i < TOGETHER; i++) {
+            at[i] = _philox4x64round(at[i], philox_key);
+        }
+        philox_key = _philox4x64bumpkey(philox_key);
+    }
+    for (int i = 0; i < TOGETHER; i++) {
+        for (int k = 0; k < 4; k++) {
+            u[4 * i + k] = uniform(at[i].v[k]);
+        }
+    }
+}
+
+static inline __attribute__((always_inline)) void fill_uniforms(haft_random_key key,
+                                                                uint64_t realization, uint64_t site,
+                                                                uint64_t first, size_t n,
+                                                                double *u) {
+    double batch[WORDS];
     size_t skip = first % 4;
     for (size_t j = 0; j < n; skip = 0) {
-        uint64_t draw = (first + j) / 4;
-        philox4x64_ctr_t one = {{realization, site, draw, 0}};
-        philox4x64_ctr_t two = {{realization, site, draw + 1, 0}};
-        one = philox4x64(one, philox_key);
-        two = philox4x64(two, philox_key);
-        for (size_t k = 0; k < 4; k++) {
-            pair[k] = haft_random_uniform(one.v[k]);
-            pair[4 + k] = haft_random_uniform(two.v[k]);
-        }
-        size_t count = n - j < 8 - skip ? n - j : 8 - skip;
-        memcpy(u + j, pair + skip, count * sizeof *u);
+        draw_together(key, realization, site, (first + j) / 4, batch);
+        size_t count = n - j < WORDS - skip ? n - j : WORDS - skip;
+        memcpy(u + j, batch + skip, count * sizeof *u);
         j += count;
     }
 }
 
 /* haft_random_normal_quantile() in passes that compilers vectorise: the middle's rational for all,
  * then the near tail's for those outside the middle, then the rare far tail. */
-static void fill_quantiles(const double *restrict u, size_t n, double *restrict z) {
+static inline __attribute__((always_inline)) void fill_quantiles(const double *restrict u, size_t n,
+                                                                 double *restrict z) {
     unsigned short tail[BATCH];
     double r[BATCH], near[BATCH];
     size_t tails = 0;
@@ -172,12 +194,37 @@ static void fill_quantiles(const double *restrict u, size_t n, double *restrict 
     }
 }
 
-void haft_random_normals(haft_random_key key, uint64_t realization, uint64_t site, uint64_t first,
-                         size_t n, double *z) {
+static inline __attribute__((always_inline)) void fill_normals(haft_random_key key,
+                                                               uint64_t realization, uint64_t site,
+                                                               uint64_t first, size_t n,
+                                                               double *z) {
     double u[BATCH];
     for (size_t start = 0; start < n; start += BATCH) {
         size_t count = n - start < BATCH ? n - start : BATCH;
         fill_uniforms(key, realization, site, first + start, count, u);
         fill_quantiles(u, count, z + start);
     }
+}
+
+/* The same operations, and so the same bits, four to an instruction where the machine can: no fused
+ * multiply-adds here. */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define HAFT_RANDOM_WIDE
+__attribute__((target("avx2,bmi2"))) static void fill_normals_wide(haft_random_key key,
+                                                                   uint64_t realization,
+                                                                   uint64_t site, uint64_t first,
+                                                                   size_t n, double *z) {
+    fill_normals(key, realization, site, first, n, z);
+}
+#endif
+
+void haft_random_normals(haft_random_key key, uint64_t realization, uint64_t site, uint64_t first,
+                         size_t n, double *z) {
+#ifdef HAFT_RANDOM_WIDE
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2")) {
+        fill_normals_wide(key, realization, site, first, n, z);
+        return;
+    }
+#endif
+    fill_normals(key, realization, site, first, n, z);
 }

@@ -72,7 +72,7 @@ static haft_status make_room(haft_contact_work *work, size_t levels, haft_error 
     haft_memory_free(work->counts);
     work->levels = 0;
     work->level_data = haft_memory_alloc(levels + 1, 5 * sizeof *work->level_data, error);
-    work->counts = haft_memory_alloc(levels + 1, 2 * sizeof *work->counts, error);
+    work->counts = haft_memory_alloc(levels + 1, HAFT_CONTACT_LANES * sizeof *work->counts, error);
     if (work->level_data == NULL || work->counts == NULL) {
         return HAFT_ERROR_MEMORY;
     }
@@ -133,46 +133,93 @@ static haft_levels make_levels(double *data, const haft_curve *curve, double shi
     return (haft_levels){n, data[0], (double)(n - 1) / (data[n - 1] - data[0]), data};
 }
 
-static bool all_finite(const double *z, size_t n) {
-    int bad = 0;
+/* Points gone through at a time: they stay in the nearest cache for all that is asked of them. */
+enum { CHUNK = 256, BUNCH = 16, LANES = HAFT_CONTACT_LANES };
+
+/* The part of haft_levels_below() that takes no looking up, many at an instruction. */
+static void find_nearest(const haft_levels *levels, const double *restrict z, size_t n,
+                         int32_t *restrict nearest) {
+    double first = levels->first, per_step = levels->per_step, last = (double)levels->n;
     for (size_t j = 0; j < n; j++) {
-        bad |= !(fabs(z[j]) < INFINITY);
+        double x = (z[j] - first) * per_step + 0.5;
+        x = x > 0 ? x : 0;
+        x = x < last ? x : last;
+        nearest[j] = (int32_t)x;
     }
-    return bad == 0;
 }
 
-/* Counts twice by turns, for most points fall into the lowest interval and would wait on each
+/* Counts LANES times by turns, for neighbours fall into the same interval and would wait on each
  * other. */
 static void count_wet(const haft_levels *levels, const double *z, size_t n, uint32_t *counts) {
+    int32_t nearest[CHUNK];
+    find_nearest(levels, z, n, nearest);
     for (size_t j = 0; j < n; j++) {
-        counts[2 * haft_levels_below(levels, z[j]) + (j & 1)]++;
+        size_t level = (size_t)nearest[j] + (levels->at[nearest[j]] < z[j]);
+        counts[LANES * level + j % LANES]++;
     }
+}
+
+/* Whether any of BUNCH points is above d. */
+static inline bool any_above(double d, const double *z) {
+    double top[LANES] = {d, d, d, d};
+    for (size_t j = 0; j < BUNCH; j += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            top[k] = z[j + k] > top[k] ? z[j + k] : top[k];
+        }
+    }
+    return top[0] > d || top[1] > d || top[2] > d || top[3] > d;
 }
 
 static size_t list_above(double d, const double *z, uint32_t first, size_t n, uint32_t *found) {
     size_t k = 0;
-    for (size_t j = 0; j < n; j++) {
-        found[k] = first + (uint32_t)j;
-        k += z[j] > d;
+    for (size_t start = 0; start < n; start += BUNCH) {
+        size_t count = n - start < BUNCH ? n - start : BUNCH;
+        if (count == BUNCH && !any_above(d, z + start)) {
+            continue;
+        }
+        for (size_t j = start; j < start + count; j++) {
+            found[k] = first + (uint32_t)j;
+            k += z[j] > d;
+        }
     }
     return k;
 }
 
-/* The one pass; false if a height is not finite, in the row *row. */
+/* 0 z is no number just where z is not finite, and a sum keeps that. */
+static bool all_finite(const double *z, size_t n) {
+    double sum[LANES] = {0};
+    size_t j = 0;
+    for (; j + LANES <= n; j += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            sum[k] += 0 * z[j + k];
+        }
+    }
+    for (; j < n; j++) {
+        sum[0] += 0 * z[j];
+    }
+    return !isnan((sum[0] + sum[1]) + (sum[2] + sum[3]));
+}
+
+/* The one pass; false if a height is not finite, the first of them in the row *row. */
 static bool scan(haft_contact_work *work, const haft_patch *patch, const haft_levels *distances,
                  const haft_levels *wet, size_t *above, size_t *row) {
-    size_t n = patch->columns, found = 0;
-    memset(work->counts, 0, 2 * (distances->n + 1) * sizeof *work->counts);
-    for (size_t i = 0; i < patch->rows; i++) {
-        const double *z = patch->z + i * n;
+    size_t points = patch->rows * patch->columns, found = 0;
+    memset(work->counts, 0, LANES * (distances->n + 1) * sizeof *work->counts);
+    for (size_t start = 0; start < points; start += CHUNK) {
+        size_t n = points - start < CHUNK ? points - start : CHUNK;
+        const double *z = patch->z + start;
         if (!all_finite(z, n)) {
-            *row = i;
+            size_t j = 0;
+            while (fabs(z[j]) < INFINITY) {
+                j++;
+            }
+            *row = (start + j) / patch->columns;
             return false;
         }
         if (wet != NULL) {
             count_wet(wet, z, n, work->counts);
         }
-        found += list_above(distances->at[0], z, (uint32_t)(i * n), n, work->found + found);
+        found += list_above(distances->at[0], z, (uint32_t)start, n, work->found + found);
     }
     *above = found;
     return true;
@@ -184,7 +231,9 @@ static void share_wet(const haft_contact_work *work, const haft_patch *patch, si
     uint64_t points = 0;
     double all = (double)patch->rows * (double)patch->columns;
     for (size_t j = n; j-- > 0;) {
-        points += (uint64_t)work->counts[2 * (j + 1)] + work->counts[2 * (j + 1) + 1];
+        for (size_t lane = 0; lane < LANES; lane++) {
+            points += work->counts[LANES * (j + 1) + lane];
+        }
         share[j] = (double)points / all;
     }
 }

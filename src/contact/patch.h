@@ -36,6 +36,8 @@ typedef struct haft_tally {
     double *number; /* asperities in contact */
 } haft_tally;
 
+enum { HAFT_CONTACT_LANES = 4 }; /* at least 2 */
+
 /* With N points and T = ceil(rows/2) ceil(columns/2), the most summits or islands there can be (no
  * two are neighbours), `found` and `spare` hold 4 (N + rows + 2 columns + 4) bytes each and the
  * other arrays T items: 15 bytes a point in all. */
@@ -43,7 +45,7 @@ struct haft_contact_work {
     size_t rows, columns;
     size_t levels;      /* capacity of the arrays below, grown when a longer curve comes */
     double *level_data; /* distances, wet levels, and the tally: 5 (levels + 1) numbers */
-    uint32_t *counts;   /* 2 (levels + 1) */
+    uint32_t *counts;   /* HAFT_CONTACT_LANES (levels + 1) */
     uint32_t *found;    /* points above the lowest distance, in the order of the scan */
     void *spare;
     double *top_a, *top_b;

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a load-unload cycle of one beam costs, against the floor: as many bare KLU refactorizations
+ * and solves of the same pattern as the path made. On the paper's mesh and on the exact one; and
+ * what finer steps buy.
+ *
+ *     bench-cycle [-b beams] [-r rounds] [-m] [-s] [case directory]
+ *
+ * The laws are those of the case's out/laws.h5 if it is there, else random Morse laws (and always
+ * with -m); -s leaves out the study of error. */
+#include "haft/study.h"
+
+#include <klu.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { BEAM_LIMIT = 100, ROUND_LIMIT = 99 };
+
+typedef struct bench {
+    haft_case *c;
+    haft_laws *laws; /* NULL: random ones */
+    haft_site_laws *beam[BEAM_LIMIT];
+    int beams, rounds;
+} bench;
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *x, int n) {
+    qsort(x, (size_t)n, sizeof *x, compare);
+    return 0.5 * (x[n / 2] + x[(n - 1) / 2]);
+}
+
+static void must(haft_status status, const haft_error *error) {
+    if (status != HAFT_OK) {
+        fprintf(stderr, "bench-cycle: %s\n", error->message);
+        exit(1);
+    }
+}
+
+/* ---- laws ---- */
+
+/* Numbers of the order the DelRio beams show at 85 %; draws that no Morse law fits are drawn anew.
+ */
+static haft_law draw_law(uint64_t beam, uint64_t site) {
+    double deviation = sqrt(log1p(0.3 * 0.3));
+    for (uint64_t attempt = 0;; attempt++) {
+        double z[4];
+        haft_random_normals((haft_random_key){1, HAFT_RANDOM_TEST}, beam, site, 4 * attempt, 4, z);
+        haft_law_vector v = {.e = 3.6e-3 * exp(deviation * z[0] - 0.5 * deviation * deviation),
+                             .f_max = 1e6 * exp(deviation * z[1] - 0.5 * deviation * deviation),
+                             .d_max = 11e-9 + 0.4e-9 * z[2],
+                             .d_limit = 8.2e-9 + 0.2e-9 * z[3]};
+        haft_law law;
+        if (haft_law_morse(&law, &v, 5e6) == HAFT_LAW_SOUND) {
+            return law;
+        }
+    }
+}
+
+static haft_site_laws *draw_laws(uint64_t beam, size_t sites, haft_error *error) {
+    haft_site_laws *s = haft_memory_alloc(1, sizeof *s, error);
+    must(s == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    s->sites = sites;
+    s->law = haft_memory_alloc(sites, sizeof *s->law, error);
+    must(s->law == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    for (size_t r = 0; r < sites; r++) {
+        s->law[r] = draw_law(beam, r);
+    }
+    return s;
+}
+
+static void get_laws(bench *b, const char *directory, bool random) {
+    char path[4096];
+    haft_error error = {0};
+    size_t sites = (size_t)llround(b->c->beam.length / b->c->mesh.l_meso);
+    snprintf(path, sizeof path, "%s/out/laws.h5", directory);
+    if (!random && haft_laws_read(&b->laws, NULL, path, &error) == HAFT_OK) {
+        if (b->laws->sites != sites) {
+            fprintf(stderr, "bench-cycle: %s holds %zu sites a beam, the case %zu\n", path,
+                    b->laws->sites, sites);
+            exit(1);
+        }
+        int held = (int)(b->laws->m / sites);
+        b->beams = b->beams < held ? b->beams : held;
+    }
+    for (int k = 0; k < b->beams; k++) {
+        if (b->laws != NULL) {
+            must(haft_study_site_laws(&b->beam[k], b->c, b->laws, (size_t)k, &error), &error);
+        } else {
+            b->beam[k] = draw_laws((uint64_t)k, sites, &error);
+        }
+    }
+    printf("%s: %zu sites, %d beams, laws %s\n", b->c->name, sites, b->beams,
+           b->laws != NULL ? path : "random");
+}
+
+/* ---- a cycle against bare factorizations ---- */
+
+/* Seconds of one KLU refactorization and one solve of the model's pattern, filled with K + M, as
+ * the solver orders it: the median over `rounds` of runs of 200. */
+static double time_klu(const haft_model *m, int rounds, haft_error *error) {
+    double *value = haft_memory_alloc(m->nonzeros, sizeof *value, error);
+    double *b = haft_memory_alloc(m->dofs, sizeof *b, error);
+    must(value == NULL || b == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    for (size_t k = 0; k < m->nonzeros; k++) {
+        value[k] = m->stiffness[k] + m->mass[k];
+    }
+    klu_common common;
+    klu_defaults(&common);
+    common.btf = 0;
+    common.scale = 0;
+    common.tol = 0;
+    klu_symbolic *symbolic = klu_analyze((int)m->dofs, m->column, m->row, &common);
+    klu_numeric *numeric = klu_factor(m->column, m->row, value, symbolic, &common);
+    double time[ROUND_LIMIT];
+    enum { RUNS = 200 };
+    for (int r = 0; r < rounds; r++) {
+        double start = now();
+        for (int k = 0; k < RUNS; k++) {
+            if (!klu_refactor(m->column, m->row, value, symbolic, numeric, &common)) {
+                fprintf(stderr, "bench-cycle: KLU cannot factor K + M\n");
+                exit(1);
+            }
+            for (size_t i = 0; i < m->dofs; i++) {
+                b[i] = 1;
+            }
+            klu_solve(symbolic, numeric, (int)m->dofs, 1, b, &common);
+        }
+        time[r] = (now() - start) / RUNS;
+    }
+    klu_free_numeric(&numeric, &common);
+    klu_free_symbolic(&symbolic, &common);
+    haft_memory_free(value);
+    haft_memory_free(b);
+    return median(time, rounds);
+}
+
+static haft_path *follow(const bench *b, const haft_model *model, const haft_path_options *options,
+                         int beam, double *seconds) {
+    haft_error error = {0};
+    haft_path *path = NULL;
+    double start = now();
+    must(haft_solve_path(&path, model, b->beam[beam]->law, &b->c->programme, options, &error),
+         &error);
+    *seconds = now() - start;
+    if (path->outcome != HAFT_OUTCOME_STUCK && path->outcome != HAFT_OUTCOME_FREE) {
+        printf("beam %d: %s\n", beam, haft_outcome_name(path->outcome));
+    }
+    return path;
+}
+
+typedef struct mean_cost {
+    double steps, rejected, newton, factorizations, flow, jumps;
+} mean_cost;
+
+static void add_cost(mean_cost *sum, const haft_path *path, int beams) {
+    sum->steps += (double)path->cost.steps / beams;
+    sum->rejected += (double)path->cost.rejected / beams;
+    sum->newton += (double)path->cost.newton_iterations / beams;
+    sum->factorizations += (double)path->cost.factorizations / beams;
+    sum->flow += (double)path->cost.flow_steps / beams;
+    sum->jumps += (double)path->jumps / beams;
+}
+
+static haft_model *make_model(const bench *b, haft_mesh_kind kind) {
+    haft_error error = {0};
+    haft_model *model = NULL;
+    haft_mesh_spec mesh = b->c->mesh;
+    mesh.kind = kind;
+    if (kind == HAFT_MESH_UNIFORM && !(mesh.element_length > 0)) {
+        mesh.element_length = 15e-6;
+    }
+    must(haft_model_create_beam(&model, &b->c->beam, &mesh, &error), &error);
+    return model;
+}
+
+static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
+    haft_error error = {0};
+    haft_model *model = make_model(b, kind);
+    double time[BEAM_LIMIT], ratio[BEAM_LIMIT], floor = 0;
+    mean_cost cost = {0};
+    for (int k = 0; k < b->beams; k++) {
+        double round[ROUND_LIMIT];
+        haft_path *path = NULL;
+        for (int r = 0; r < b->rounds; r++) {
+            haft_path_destroy(&path);
+            path = follow(b, model, &b->c->path, k, &round[r]);
+        }
+        double bare = time_klu(model, b->rounds, &error);
+        time[k] = median(round, b->rounds);
+        ratio[k] = time[k] / (bare * (double)path->cost.factorizations);
+        floor += bare / b->beams;
+        add_cost(&cost, path, b->beams);
+        haft_path_destroy(&path);
+    }
+    double middle = median(time, b->beams);
+    printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.1f %7.0f %8.0f %8.0f %8.0f %6.0f %6.1f\n",
+           kind == HAFT_MESH_EXACT ? "exact" : "uniform", model->dofs, model->nonzeros, middle,
+           time[0], time[b->beams - 1], 1e6 * floor, median(ratio, b->beams), cost.steps,
+           cost.rejected, cost.newton, cost.factorizations, cost.flow, cost.jumps);
+    haft_model_destroy(&model);
+}
+
+/* ---- speed against error ---- */
+
+typedef struct result {
+    double crack, dissipated, worst_ledger;
+    size_t jumps;
+} result;
+
+typedef struct setting {
+    const char *name;
+    double flow_step, gap_step, ledger;
+} setting;
+
+static result sum_up(const haft_path *path) {
+    haft_path_point end = path->point[path->points - 1];
+    return (result){end.crack_length, end.dissipated, path->ledger_error, path->jumps};
+}
+
+static void study_setting(const bench *b, const haft_model *model, const setting *s,
+                          result *reference, bool is_reference) {
+    haft_path_options options = b->c->path;
+    options.flow_step = s->flow_step;
+    options.gap_step = s->gap_step;
+    options.ledger_tolerance = s->ledger;
+    double time[BEAM_LIMIT], crack = 0, dissipated = 0, ledger = 0;
+    int moved = 0, jumps = 0;
+    mean_cost cost = {0};
+    for (int k = 0; k < b->beams; k++) {
+        haft_path *path = follow(b, model, &options, k, &time[k]);
+        result x = sum_up(path);
+        if (is_reference) {
+            reference[k] = x;
+        }
+        double off = fabs(x.crack - reference[k].crack);
+        moved += off > 1e-9;
+        jumps += x.jumps != reference[k].jumps;
+        crack = fmax(crack, off);
+        dissipated = fmax(dissipated, fabs(x.dissipated / reference[k].dissipated - 1));
+        ledger = fmax(ledger, x.worst_ledger);
+        add_cost(&cost, path, b->beams);
+        haft_path_destroy(&path);
+    }
+    printf("%-10s %9g %9g %9g %10.3f %7.0f %7.0f %12.2e %7d %7d %12.2e %10.1e\n", s->name,
+           s->flow_step, s->gap_step, s->ledger, median(time, b->beams), cost.steps, cost.flow,
+           1e6 * crack, moved, jumps, dissipated, ledger);
+}
+
+static void study_error(const bench *b) {
+    static const setting settings[] = {
+        {"finest", 0.001, 0.05, 1e-12}, {"flow", 0.005, 0.25, 1e-10}, {"flow", 0.02, 0.25, 1e-10},
+        {"flow", 0.05, 0.25, 1e-10},    {"flow", 0.2, 0.25, 1e-10},   {"flow", 0.5, 0.25, 1e-10},
+        {"gap", 0.02, 0.1, 1e-10},      {"gap", 0.02, 0.5, 1e-10},    {"gap", 0.02, 1, 1e-10},
+        {"ledger", 0.02, 0.25, 1e-12},  {"ledger", 0.02, 0.25, 1e-8}, {"ledger", 0.02, 0.25, 1e-6},
+        {"ledger", 0.02, 0.25, 1e-4},   {"coarse", 0.2, 1, 1e-6},
+    };
+    haft_model *model = make_model(b, HAFT_MESH_UNIFORM);
+    result reference[BEAM_LIMIT];
+    printf("\nSpeed against error, uniform mesh, over %d beams: greatest change against the "
+           "finest\n",
+           b->beams);
+    printf("%-10s %9s %9s %9s %10s %7s %7s %12s %7s %7s %12s %10s\n", "varied", "flow_step",
+           "gap_step", "ledger", "cycle [s]", "steps", "flow", "crack [um]", "cracks", "jumps",
+           "dissipated", "ledger");
+    printf("%-10s %9s %9s %9s %10s %7s %7s %12s %7s %7s %12s %10s\n", "", "[range]", "[range]",
+           "tol.", "median", "", "steps", "", "moved", "differ", "[relative]", "error");
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        study_setting(b, model, &settings[i], reference, i == 0);
+    }
+    haft_model_destroy(&model);
+}
+
+int main(int count, char **arguments) {
+    bench b = {.beams = 10, .rounds = 3};
+    bool random = false, study = true;
+    int option = 0;
+    while ((option = getopt(count, arguments, "b:r:ms")) != -1) {
+        if (option == 'b') {
+            b.beams = atoi(optarg);
+        } else if (option == 'r') {
+            b.rounds = atoi(optarg);
+        } else if (option == 'm') {
+            random = true;
+        } else if (option == 's') {
+            study = false;
+        } else {
+            fprintf(stderr,
+                    "usage: bench-cycle [-b beams] [-r rounds] [-m] [-s] [case directory]\n");
+            return 2;
+        }
+    }
+    b.beams = b.beams < 1 ? 1 : b.beams > BEAM_LIMIT ? BEAM_LIMIT : b.beams;
+    b.rounds = b.rounds < 1 ? 1 : b.rounds > ROUND_LIMIT ? ROUND_LIMIT : b.rounds;
+    const char *directory = optind < count ? arguments[optind] : "cases/delrio-rh85";
+    char path[4096];
+    haft_error error = {0};
+    snprintf(path, sizeof path, "%s/case.yaml", directory);
+    must(haft_case_read(&b.c, path, &error), &error);
+    get_laws(&b, directory, random);
+    printf("\nA load-unload cycle, one thread, each beam the median of %d; the floor is a KLU "
+           "refactorization and solve\n",
+           b.rounds);
+    printf("%-8s %5s %9s %9s %9s %9s %9s %7s %7s %8s %8s %8s %6s %6s\n", "", "", "", "median",
+           "least", "greatest", "floor", "ratio", "steps", "rejected", "Newton", "factor-", "flow",
+           "jumps");
+    printf("%-8s %5s %9s %9s %9s %9s %9s %7s %7s %8s %8s %8s %6s %6s\n", "mesh", "dofs", "nonzeros",
+           "[s]", "[s]", "[s]", "[us]", "median", "", "", "iter.", "izations", "steps", "");
+    compare_with_floor(&b, HAFT_MESH_UNIFORM);
+    compare_with_floor(&b, HAFT_MESH_EXACT);
+    if (study) {
+        study_error(&b);
+    }
+    for (int k = 0; k < b.beams; k++) {
+        haft_site_laws_destroy(&b.beam[k]);
+    }
+    haft_laws_destroy(&b.laws);
+    haft_case_destroy(&b.c);
+    return 0;
+}
