@@ -46,6 +46,13 @@ const char *haft_outcome_name(haft_outcome outcome);
 
 typedef enum haft_jump_kind { HAFT_JUMP_PULL_IN, HAFT_JUMP_PULL_OUT } haft_jump_kind;
 
+/** How a branch ended. */
+typedef enum haft_departure {
+    HAFT_DEPARTURE_FOLD,        /**< in a simple fold */
+    HAFT_DEPARTURE_BIFURCATION, /**< stability was lost though the load did not turn */
+    HAFT_DEPARTURE_CROWDED,     /**< several eigenvalues vanished at once */
+} haft_departure;
+
 /** One accepted state; energies, work and dissipation are sums from the start [J]. */
 typedef struct haft_path_point {
     double load;            /**< P [N] */
@@ -65,6 +72,7 @@ typedef struct haft_path_point {
 typedef struct haft_jump {
     haft_jump_kind kind; /**< pull-in if the gaps closed */
     int phase;
+    haft_departure departure;
     double load;                      /**< of the fold [N] */
     int site;                         /**< the site that moves most in the fold's null vector */
     int sites_switched;               /**< sites that came into or went out of reach */
@@ -72,7 +80,8 @@ typedef struct haft_jump {
     double dissipated;                /**< fall of Pi at the fold's load [J], > 0 */
     double internal_before, internal_after; /**< strain energy at the fold and at the landing [J] */
     int flow_steps;
-    double fold_defect; /**< |dP/dtau| left at the located fold, relative to the branch's own */
+    double fold_defect; /**< |dP/dtau| left at the located fold, relative to the branch's own; 0 at
+ other departures */
 } haft_jump;
 
 /** Work done by the solver, for reports of cost. */

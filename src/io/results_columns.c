@@ -27,12 +27,15 @@ const size_t haft_hdf_point_column_count =
     sizeof haft_hdf_point_columns / sizeof *haft_hdf_point_columns;
 
 _Static_assert(sizeof(haft_jump_kind) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_departure) == sizeof(int), "enums are ints");
 const haft_hdf_column haft_hdf_jump_columns[] = {
     REAL(haft_jump, load, "load", "N", "load of the fold"),
     INT(haft_jump, site, "site", "site that moves most in the fold's null vector"),
     REAL(haft_jump, dissipated, "dissipated", "J", "fall of the potential at the fold's load"),
     INT(haft_jump, kind, "kind", "0 pull-in, 1 pull-out"),
     INT(haft_jump, phase, "phase", "0 loading, 1 unloading"),
+    INT(haft_jump, departure, "departure",
+        "how the branch ended: 0 fold, 1 bifurcation, 2 several null vectors at once"),
     INT(haft_jump, sites_switched, "sites_switched", "sites that came into or went out of reach"),
     REAL(haft_jump, crack_before, "crack_before", "m", "crack length at the fold"),
     REAL(haft_jump, crack_after, "crack_after", "m", "crack length at the landing"),
@@ -40,7 +43,7 @@ const haft_hdf_column haft_hdf_jump_columns[] = {
     REAL(haft_jump, internal_after, "internal_after", "J", "strain energy at the landing"),
     INT(haft_jump, flow_steps, "flow_steps", "steps of the gradient flow to the landing"),
     REAL(haft_jump, fold_defect, "fold_defect", "1",
-         "dP/dtau left at the located fold, relative to the branch's own"),
+         "dP/dtau left at the located fold, relative to the branch's own; 0 at other departures"),
 };
 const size_t haft_hdf_jump_column_count =
     sizeof haft_hdf_jump_columns / sizeof *haft_hdf_jump_columns;

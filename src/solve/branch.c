@@ -14,6 +14,14 @@
 /* What the corrector may move a gap by, in the lengths over which its force changes. */
 #define CORRECTION_LIMIT 0.05
 
+/* A step inside which the load's rate falls below this share of the rate at its ends is cut where
+ * it is least, unless that is this near to an end. */
+#define DIP_SHARE 0.5
+#define DIP_EDGE 0.04
+
+/* A step shorter than this, in ranges, is not looked into: the rates' rounding would be. */
+#define DIP_STEP 1e-4
+
 /* Side step, in ranges, at which a law's curvature is read beside a kink. */
 #define KINK_OFFSET 1e-7
 
@@ -163,6 +171,35 @@ void haft_branch_book(haft_tracker *t, haft_step *step) {
     step->allowed = t->options.ledger_tolerance * fabs(step->work) + energy_rounding(t);
 }
 
+static double load_rate(const quintic *p, double s) {
+    return (((5 * p->c[5] * s + 4 * p->c[4]) * s + 3 * p->c[3]) * s + 2 * p->c[2]) * s + p->c[1];
+}
+
+/* Where inside a step the load's rate dips deepest, as a share of the step, and to what share of
+ * the lesser rate at its ends: two folds close together show there before they show at the ends. */
+static double deepest_dip(const haft_tracker *t, double dtau, double *depth) {
+    enum { LOOKS = 32 };
+    quintic p = interpolate(dtau, t->here.load, t->start.load1, t->start.load2, t->next.load,
+                            t->end.load1, t->end.load2);
+    double sign = p.c[1] > 0 ? 1 : -1, rate[LOOKS + 1];
+    int least = 0;
+    for (int i = 0; i <= LOOKS; i++) {
+        rate[i] = sign * load_rate(&p, (double)i / LOOKS);
+        least = rate[i] < rate[least] ? i : least;
+    }
+    double ends = fmin(rate[0], rate[LOOKS]), where = (double)least / LOOKS;
+    if (least > 0 && least < LOOKS) { /* the parabola's foot, twice */
+        for (double h = 1.0 / LOOKS; h > 1e-3; h /= 16) {
+            double before = sign * load_rate(&p, where - h),
+                   after = sign * load_rate(&p, where + h);
+            double bend = before + after - 2 * sign * load_rate(&p, where);
+            where += bend > 0 ? fmax(-h, fmin(h, 0.5 * h * (before - after) / bend)) : 0;
+        }
+    }
+    *depth = sign * load_rate(&p, where) / ends;
+    return where;
+}
+
 haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction) {
     predict(t, step->dtau);
     memcpy(t->scratch[2], t->next.u, t->n * sizeof(double));
@@ -190,5 +227,18 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (step->inertia.negative > 0) {
         return turned && step->inertia.negative == 1 ? HAFT_STEP_FOLD : HAFT_STEP_UNSTABLE;
     }
-    return fabs(step->defect) <= step->allowed && !turned ? HAFT_STEP_TAKEN : HAFT_STEP_REJECTED;
+    if (fabs(step->defect) > step->allowed || turned) {
+        return HAFT_STEP_REJECTED;
+    }
+    double depth = 1, where = 0;
+    if (step->control.site != NULL &&
+        fabs(step->dtau) * t->model->gap > DIP_STEP * t->range[step->control.index]) {
+        where = deepest_dip(t, step->dtau, &depth);
+    }
+    bool inside = where > DIP_EDGE && where < 1 - DIP_EDGE;
+    if (depth < DIP_SHARE && where > 0 && where < 1 && (inside || depth < 0)) {
+        step->dip = where;
+        return HAFT_STEP_DIPS;
+    }
+    return HAFT_STEP_TAKEN;
 }

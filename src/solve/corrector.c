@@ -28,8 +28,9 @@ struct haft_corrector {
     haft_control control;
     double value;
     double kappa;
+    bool evaluated; /* gradient, Hessian and energy at hand are those of the first residual */
     bool finite;
-    haft_energy energy;
+    haft_energy energy; /* at the last residual: KINSOL ends on it */
     SUNContext context;
     N_Vector y, y_scale, f_scale;
     SUNMatrix matrix;
@@ -43,7 +44,10 @@ static int residual(N_Vector y, N_Vector f, void *user) {
     const double *u = N_VGetArrayPointer(y);
     double *out = N_VGetArrayPointer(f);
     double load = u[t->n];
-    c->finite = isfinite(load) && haft_tracker_evaluate(t, u, load, &c->energy, NULL);
+    if (!c->evaluated) {
+        c->finite = isfinite(load) && haft_tracker_evaluate(t, u, load, &c->energy, NULL);
+    }
+    c->evaluated = false;
     if (!c->finite) {
         return 1;
     }
@@ -277,10 +281,11 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     memcpy(y, state->u, t->n * sizeof *y);
     y[t->n] = state->load;
     double force = 0;
-    if (!haft_tracker_evaluate(t, y, state->load, NULL, &force)) {
-        c->finite = false;
+    c->finite = haft_tracker_evaluate(t, y, state->load, &c->energy, &force);
+    if (!c->finite) {
         return false;
     }
+    c->evaluated = true;
     force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
     double floor_force = rounding_floor(t, y);
     double tolerance = fmax(t->options.residual_tolerance, floor_force / force);
@@ -300,5 +305,6 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     }
     memcpy(state->u, y, t->n * sizeof *y);
     state->load = y[t->n];
-    return haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
+    state->energy = c->energy;
+    return true;
 }

@@ -122,6 +122,7 @@ double haft_branch_least_eigenvalue(haft_tracker *t);
 typedef enum haft_step_result {
     HAFT_STEP_TAKEN,
     HAFT_STEP_REJECTED,
+    HAFT_STEP_DIPS,     /* sound, but two folds may hide inside: to be cut at step->dip */
     HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */
     HAFT_STEP_UNSTABLE, /* an eigenvalue went negative though the load did not turn */
 } haft_step_result;
@@ -134,6 +135,7 @@ typedef struct haft_step {
     double work;    /* of the load [J] */
     double defect;  /* energy gained - work [J] */
     double allowed; /* what the defect may be [J] */
+    double dip;     /* share of dtau at which the load's rate is least */
     double moved;   /* largest move of a gap between prediction and solution, in lengths */
     haft_inertia inertia;
 } haft_step;

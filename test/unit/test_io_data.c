@@ -109,6 +109,7 @@ static void make_sample(sample *x, double seed) {
         double v = seed * (i + 1) / 7;
         x->jump[i] = (haft_jump){.kind = i == 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT,
                                  .phase = i,
+                                 .departure = HAFT_DEPARTURE_CROWDED - i,
                                  .load = v,
                                  .site = i + 3,
                                  .sites_switched = 4 - i,
@@ -185,8 +186,9 @@ static void check_path(const char *file, size_t realization, const sample *x) {
     assert_memory_equal(path->point, x->point, sizeof x->point);
     for (int i = 0; i < 2; i++) { /* by member: the struct has padding */
         const haft_jump *a = &path->jump[i], *b = &x->jump[i];
-        assert_true(a->kind == b->kind && a->phase == b->phase && a->load == b->load &&
-                    a->site == b->site && a->sites_switched == b->sites_switched);
+        assert_true(a->kind == b->kind && a->phase == b->phase && a->departure == b->departure &&
+                    a->load == b->load && a->site == b->site &&
+                    a->sites_switched == b->sites_switched);
         assert_true(a->crack_before == b->crack_before && a->crack_after == b->crack_after &&
                     a->dissipated == b->dissipated && a->flow_steps == b->flow_steps);
         assert_true(a->internal_before == b->internal_before &&
@@ -383,7 +385,7 @@ static void documented_names_are_there(void **state) {
     check_ok(haft_laws_write(laws, c, file, &error), error);
     check_names(file, laws_names, root_names, 11);
     write_results(file, true);
-    check_names(file, results_names, root_names, 11 + 2 * (11 + 12) + 10);
+    check_names(file, results_names, root_names, 11 + 2 * (11 + 13) + 10);
     haft_laws_destroy(&laws);
     haft_case_destroy(&c);
     scratch_remove(&s);

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Jumps: from where a branch ends to where the gradient flow leads, at constant load.
+ *
+ * Most branches end in a simple fold. Two other ends are told apart and left by a fixed rule, so
+ * that the answer is one and the same on every machine: bifurcation    an eigenvalue vanishes
+ * though the load does not turn (a pitchfork of two sites alike, say). The state just beyond is
+ * left along its null vector, to the side where the energy is lower; if neither is, to the side
+ * where the first of the gaps that move most closes in loading and opens in unloading. crowded fold
+ * several eigenvalues vanish at once (sites alike and apart). The branch is left in the direction
+ * in which it was moving, which holds all the null vectors in the shares the load gives them. */
+#include "walker.h"
+
+#include <math.h>
+#include <string.h>
+
+static void describe_jump(haft_walker *w, haft_jump *jump) {
+    haft_tracker *t = w->t;
+    double closing = 0;
+    for (size_t r = 0; r < t->model->sites; r++) {
+        bool before = t->gap_before[r] <= t->reach[r], after = t->gap_after[r] <= t->reach[r];
+        jump->sites_switched += before != after;
+        closing += t->gap_before[r] - t->gap_after[r];
+    }
+    jump->kind = closing > 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT;
+}
+
+/* From `here` along t->null to where the flow leads; the load stays, its work goes on. */
+static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, double fold_defect) {
+    haft_tracker *t = w->t;
+    haft_jump jump = {.phase = w->phase,
+                      .load = t->here.load * t->load_unit,
+                      .crack_before = haft_walker_crack(t, &t->here),
+                      .internal_before = t->here.energy.strain,
+                      .departure = departure,
+                      .fold_defect = fold_defect};
+    size_t site = 0;
+    haft_tracker_move(t, t->here.u, t->null, &site);
+    jump.site = (int)site;
+    double energy = t->here.energy.strain + t->here.energy.contact;
+    double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
+    haft_model_gaps(t->model, t->here.u, t->gap_before);
+    haft_outcome outcome = haft_flow_land(t, t->null, &jump.flow_steps);
+    if (outcome != HAFT_OUTCOME_STUCK) {
+        return outcome;
+    }
+    haft_model_gaps(t->model, t->here.u, t->gap_after);
+    double work = t->here.load * t->model->energy_unit *
+                  (haft_tracker_row(t, &t->model->load, t->here.u) - deflection);
+    jump.dissipated = work + energy - t->here.energy.strain - t->here.energy.contact;
+    jump.crack_after = haft_walker_crack(t, &t->here);
+    jump.internal_after = t->here.energy.strain;
+    describe_jump(w, &jump);
+    haft_walker_book(w, work, jump.dissipated);
+    if (haft_record_jump(w->path, &jump, w->error) != HAFT_OK) {
+        w->failed = true;
+        return HAFT_OUTCOME_STUCK;
+    }
+    haft_walker_record(w, (int)w->path->jumps - 1);
+    return HAFT_OUTCOME_STUCK;
+}
+
+haft_step_result haft_jump_at_fold(haft_walker *w, haft_step *step, double limit,
+                                   haft_outcome *outcome) {
+    haft_tracker *t = w->t;
+    double fold_defect = 0;
+    if (!haft_fold_locate(t, step, w->direction, &fold_defect)) {
+        return HAFT_STEP_REJECTED;
+    }
+    if ((t->next.load - limit) * w->direction >= 0) {
+        return HAFT_STEP_UNSTABLE;
+    }
+    if (fabs(step->defect) > step->allowed) {
+        return HAFT_STEP_REJECTED;
+    }
+    haft_walker_swap(t);
+    haft_walker_book(w, step->work, 0);
+    for (size_t i = 0; i < t->n; i++) {
+        t->null[i] *= step->sign;
+    }
+    *outcome = jump_from_here(w, HAFT_DEPARTURE_FOLD, fold_defect);
+    return HAFT_STEP_TAKEN;
+}
+
+/* Pi at the load of `here`, at here + amplitude * null. */
+static double energy_beside(haft_tracker *t, double amplitude) {
+    for (size_t i = 0; i < t->n; i++) {
+        t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
+    }
+    haft_energy e = haft_model_evaluate(t->model, t->laws, t->spare.u, 0, NULL, NULL, NULL);
+    return e.strain + e.contact -
+           t->here.load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, t->spare.u);
+}
+
+/* The sign by which the first of the gaps that move most closes in loading, opens in unloading. */
+static int conventional_sign(const haft_walker *w) {
+    const haft_tracker *t = w->t;
+    double most = haft_tracker_move(t, t->here.u, t->null, NULL);
+    for (size_t r = 0; r < t->model->sites; r++) {
+        const haft_site *site = &t->model->site[r];
+        double d = t->model->gap - haft_model_displacement(site, t->here.u);
+        double closing = haft_model_displacement(site, t->null);
+        if (fabs(closing) / haft_tracker_length(t, r, d) > 0.999 * most) {
+            return closing * w->direction > 0 ? 1 : -1;
+        }
+    }
+    return 1;
+}
+
+haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
+    haft_tracker *t = w->t;
+    haft_walker_swap(t);
+    haft_walker_book(w, step->work, 0);
+    for (int i = 0; i < 10; i++) {
+        haft_branch_least_eigenvalue(t);
+    }
+    memcpy(t->null, t->mode, t->n * sizeof(double));
+    double amplitude = 0.01 / haft_tracker_move(t, t->here.u, t->null, NULL);
+    double forth = energy_beside(t, amplitude), back = energy_beside(t, -amplitude);
+    double alike = 1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
+    int sign = fabs(forth - back) <= alike ? conventional_sign(w) : forth < back ? 1 : -1;
+    for (size_t i = 0; i < t->n; i++) {
+        t->null[i] *= sign;
+    }
+    return jump_from_here(w, HAFT_DEPARTURE_BIFURCATION, 0);
+}
+
+haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
+    haft_tracker *t = w->t;
+    if (!haft_tracker_evaluate(t, t->here.u, t->here.load, &t->here.energy, NULL)) {
+        return HAFT_OUTCOME_NOT_FINITE;
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        t->null[i] = step->sign * t->start.u1[i];
+    }
+    double amplitude = 0.01 / haft_tracker_move(t, t->here.u, t->null, NULL);
+    if (!(energy_beside(t, amplitude) < energy_beside(t, 0))) {
+        return HAFT_OUTCOME_STEP_STALLED; /* the branch does not end here: the step failed */
+    }
+    return jump_from_here(w, HAFT_DEPARTURE_CROWDED, 0);
+}

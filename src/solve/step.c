@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Walking a branch. Each step is controlled by the gap that would move most, in the length over
+ * which its force changes, so that a fold of the load is an ordinary point of the step; where a gap
+ * would pass a kink of its law, the step ends on the kink, so that every step's derivatives are
+ * smooth. */
+#include "walker.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A step smaller than this, in lengths, is no step. */
+#define LEAST_STEP 1e-9
+
+/* A branch that loses its stability within a step of this size, in lengths, without its load
+ * turning is at a bifurcation. */
+#define EDGE_STEP 1e-6
+
+/* A gap that moves less than this share of the largest move does not choose where a step ends. */
+#define KINK_SHARE 0.05
+
+/* The gap that moves most in the direction of the certified branch becomes the control. */
+static haft_control choose_control(haft_tracker *t) {
+    size_t site = 0;
+    double move = haft_tracker_move(t, t->here.u, t->solution, &site);
+    if (!(move > 0)) {
+        return (haft_control){NULL, 0};
+    }
+    return (haft_control){&t->model->site[site], site};
+}
+
+/* Sets out from `here`: control, derivatives on the side of the motion, a step of eta lengths. */
+static void depart(haft_walker *w, haft_step *step) {
+    haft_tracker *t = w->t;
+    step->control = choose_control(t);
+    const haft_site *site = step->control.site;
+    double rate = site == NULL ? 1 : haft_tracker_row(t, site, t->solution);
+    step->sign = rate * w->direction > 0 ? 1 : -1;
+    haft_branch_derive(t, &t->here, step->control, step->sign, &t->start);
+    double size = 1;
+    if (site != NULL) {
+        double d = t->model->gap - haft_model_displacement(site, t->here.u);
+        size = w->eta * haft_tracker_length(t, step->control.index, d) / t->model->gap;
+    }
+    step->dtau = step->sign * size;
+}
+
+/* Share of the step at which a gap, moving from d by first- and second-order amounts a and b,
+ * passes a kink; above 1 if it does not. */
+static double passing_share(double d, double a, double b, double kink, double range) {
+    double end = d + a + b, to = kink - d;
+    if (fabs(to) < 1e-9 * range || (kink - d) * (kink - end) >= 0) {
+        return 2;
+    }
+    double share = to / (end - d);
+    for (int i = 0; i < 8; i++) {
+        share -= (share * (a + share * b) - to) / (a + 2 * share * b);
+    }
+    return share > 0 && share < 1 ? share : to / (end - d);
+}
+
+/* Shortens the step to the first kink of a law that it would pass, by taking that gap's site as the
+ * control: then the kink is met to round-off. */
+static void stop_at_kink(haft_walker *w, haft_step *step) {
+    haft_tracker *t = w->t;
+    double first = 1, target = 0;
+    size_t chosen = t->model->sites;
+    for (size_t r = 0; r < t->model->sites; r++) {
+        const haft_law *law = &t->laws[r];
+        const haft_site *site = &t->model->site[r];
+        if (law->kind != HAFT_LAW_MORSE) {
+            continue;
+        }
+        double d = t->model->gap - haft_model_displacement(site, t->here.u);
+        double a = -haft_model_displacement(site, t->start.u1) * step->dtau;
+        if (fabs(a) < KINK_SHARE * w->eta * haft_tracker_length(t, r, d)) {
+            continue;
+        }
+        double b = -0.5 * haft_model_displacement(site, t->start.u2) * step->dtau * step->dtau;
+        const double kink[2] = {law->d_max, law->wall_distance};
+        for (int k = 0; k < 2; k++) {
+            double share = passing_share(d, a, b, kink[k], t->range[r]);
+            if (share < first) {
+                first = share;
+                target = d - kink[k];
+                chosen = r;
+            }
+        }
+    }
+    if (chosen < t->model->sites) {
+        step->control = (haft_control){&t->model->site[chosen], chosen};
+        double rate = haft_branch_rebase(t, step->control, &t->start);
+        step->sign = rate > 0 ? step->sign : -step->sign;
+        step->dtau = target / t->model->gap;
+    }
+}
+
+/* Accepts `next` and adapts the step by what the ledger and the corrector left of their margins. */
+static void accept(haft_walker *w, const haft_step *step) {
+    haft_walker_swap(w->t);
+    w->t->cost.steps++;
+    haft_walker_book(w, step->work, 0);
+    haft_walker_record(w, -1);
+    double used = fmax(fabs(step->defect) / step->allowed, pow(step->moved / 0.05, 2));
+    double factor = 0.85 * pow(fmax(used, 1e-6), -1.0 / 6);
+    w->eta = fmin(w->t->options.gap_step, w->eta * fmin(2, fmax(0.3, factor)));
+}
+
+static void shrink(haft_walker *w, haft_step *step) {
+    w->t->cost.rejected++;
+    double factor = 0.5;
+    if (isfinite(step->defect) && step->allowed > 0) {
+        factor = fmin(0.7, fmax(0.1, 0.85 * pow(fabs(step->defect) / step->allowed, -1.0 / 6)));
+    }
+    w->eta *= factor;
+    step->dtau *= factor;
+}
+
+/* Shortens a taken step so that it ends where the crack length asked for is just reached. */
+static void stop_at_target(haft_walker *w, haft_step *step) {
+    double low = 0, high = step->dtau, full = fabs(step->dtau);
+    while (fabs(high - low) > 1e-13 * full) {
+        step->dtau = 0.5 * (low + high);
+        if (step->dtau == low || step->dtau == high) {
+            break;
+        }
+        haft_step_result result = haft_branch_try(w->t, step, w->direction);
+        bool sound = result == HAFT_STEP_TAKEN || result == HAFT_STEP_DIPS;
+        if (sound && haft_walker_reached(w, &w->t->next)) {
+            high = step->dtau;
+        } else {
+            low = step->dtau;
+        }
+    }
+    step->dtau = high;
+    haft_branch_try(w->t, step, w->direction);
+}
+
+/* Takes the load itself as control to end a step exactly at a load. */
+static bool stop_at_load(haft_walker *w, haft_step *step, double load) {
+    haft_tracker *t = w->t;
+    haft_step direct = *step;
+    direct.control = (haft_control){NULL, 0};
+    direct.dtau = load - t->here.load;
+    direct.sign = direct.dtau > 0 ? 1 : -1;
+    size_t bytes = t->n * sizeof(double);
+    memcpy(t->rebased.u1, t->start.u1, bytes);
+    memcpy(t->rebased.u2, t->start.u2, bytes);
+    t->rebased.load1 = t->start.load1;
+    t->rebased.load2 = t->start.load2;
+    haft_branch_rebase(t, direct.control, &t->start);
+    if (haft_branch_try(t, &direct, w->direction) == HAFT_STEP_TAKEN) {
+        *step = direct;
+        t->next.load = load;
+        return true;
+    }
+    haft_branch spent = t->start;
+    t->start = t->rebased;
+    t->rebased = spent;
+    return false;
+}
+
+haft_outcome haft_walker_advance(haft_walker *w) {
+    haft_tracker *t = w->t;
+    haft_step step;
+    depart(w, &step);
+    stop_at_kink(w, &step);
+    double limit = w->direction > 0 ? t->programme.load_limit / t->load_unit : 0;
+    haft_outcome outcome = HAFT_OUTCOME_STEP_STALLED;
+    while (w->eta > LEAST_STEP) {
+        haft_step_result result = haft_branch_try(t, &step, w->direction);
+        if (result == HAFT_STEP_DIPS) {
+            step.dtau *= step.dip;
+            continue;
+        }
+        bool past_load = result == HAFT_STEP_TAKEN && (t->next.load - limit) * w->direction >= 0;
+        if (result == HAFT_STEP_FOLD) {
+            result = haft_jump_at_fold(w, &step, limit, &outcome);
+            if (result == HAFT_STEP_TAKEN) {
+                bool over = outcome == HAFT_OUTCOME_STUCK && haft_walker_reached(w, &t->here);
+                return over ? HAFT_OUTCOME_FREE : outcome;
+            }
+            past_load = result == HAFT_STEP_UNSTABLE;
+        }
+        if (past_load) {
+            if (stop_at_load(w, &step, limit)) {
+                accept(w, &step);
+                w->path->turned_by_load |= w->direction > 0;
+                return HAFT_OUTCOME_FREE;
+            }
+        } else if (result == HAFT_STEP_TAKEN) {
+            bool over = haft_walker_reached(w, &t->next);
+            if (over) {
+                stop_at_target(w, &step);
+            }
+            accept(w, &step);
+            return over ? HAFT_OUTCOME_FREE : HAFT_OUTCOME_STUCK;
+        }
+        if (result == HAFT_STEP_UNSTABLE && w->eta < EDGE_STEP) {
+            return haft_jump_at_bifurcation(w, &step);
+        }
+        shrink(w, &step);
+    }
+    return haft_jump_at_crowded_fold(w, &step);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A path being walked: tracker, record and ledger together. Private to the room. */
+#ifndef HAFT_SOLVE_WALKER_H
+#define HAFT_SOLVE_WALKER_H
+
+#include "record.h"
+
+typedef struct haft_walker {
+    haft_tracker *t;
+    haft_path *path;
+    haft_ledger ledger;
+    int phase, direction; /* of the load: 1 up, -1 down */
+    double eta;           /* size of the next step, in lengths */
+    bool failed;          /* out of memory: `error` says so */
+    haft_error *error;
+} haft_walker;
+
+/* `next` becomes `here`. */
+void haft_walker_swap(haft_tracker *t);
+
+/* Enters work and dissipation [J] into the ledger, and `here` into the path. */
+void haft_walker_book(haft_walker *w, double work, double dissipated);
+void haft_walker_record(haft_walker *w, int jump);
+
+/* Crack length of a state, and whether it ends the loading. */
+double haft_walker_crack(const haft_tracker *t, const haft_state *state);
+bool haft_walker_reached(const haft_walker *w, const haft_state *state);
+
+/* ---- step.c ---- */
+
+/* One step, or one jump. @return STUCK to go on, FREE when the phase is over, else why it failed.
+ */
+haft_outcome haft_walker_advance(haft_walker *w);
+
+/* ---- jump.c ---- */
+
+/* Locates the fold behind a step that ended beyond it, books the stretch up to it, and jumps.
+ * @return REJECTED if the stretch is too long for its ledger, UNSTABLE if the load's limit comes
+ * before the fold, TAKEN otherwise, with the jump's outcome. */
+haft_step_result haft_jump_at_fold(haft_walker *w, haft_step *step, double limit,
+                                   haft_outcome *outcome);
+
+/* Leaves a branch where it loses its stability though its load does not turn: `next` holds a state
+ * just beyond. */
+haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step);
+
+/* Leaves a branch that ends in more than one null vector at once: `here` is its last state that
+ * could be reached. */
+haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step);
+
+#endif
