@@ -49,7 +49,7 @@ static double element_energy(const haft_element *element, const double *u, doubl
     return 0.5 * (q0 * m0 + q1 * m1);
 }
 
-static void add_force(const haft_site *site, double factor, double *gradient, double *largest) {
+static void add_load(const haft_site *site, double factor, double *gradient, double *largest) {
     for (int k = 0; k < HAFT_SPAN; k++) {
         if (site->dof[k] >= 0) {
             double term = factor * site->shape[k];
@@ -59,15 +59,75 @@ static void add_force(const haft_site *site, double factor, double *gradient, do
     }
 }
 
-static void add_stiffness(const haft_site *site, const int *slot, double factor, double *hessian) {
-    for (int i = 0; i < HAFT_SPAN; i++) {
-        for (int j = 0; j < HAFT_SPAN; j++) {
-            int at = slot[i * HAFT_SPAN + j];
-            if (at >= 0) {
-                hessian[at] += factor * site->shape[i] * site->shape[j];
+/* What neighbouring sites on the same unknowns add up to, before it is scattered once. */
+typedef struct group {
+    const haft_site *first;
+    const int *slot;
+    bool any;
+    double force[HAFT_SPAN], stiffness[HAFT_SPAN * (HAFT_SPAN + 1) / 2];
+} group;
+
+static inline void add_to_group(group *g, const haft_site *site, double force, double stiffness) {
+    g->any = true;
+    for (int i = 0, upper = 0; i < HAFT_SPAN; i++) {
+        g->force[i] += force * site->shape[i];
+        double row = stiffness * site->shape[i];
+        for (int j = i; j < HAFT_SPAN; j++, upper++) {
+            g->stiffness[upper] += row * site->shape[j];
+        }
+    }
+}
+
+static void scatter_group(group *g, double *gradient, double *hessian) {
+    for (int i = 0; i < HAFT_SPAN && gradient != NULL; i++) {
+        if (g->first->dof[i] >= 0) {
+            gradient[g->first->dof[i]] += g->force[i];
+        }
+    }
+    for (int i = 0, upper = 0; i < HAFT_SPAN && hessian != NULL; i++) {
+        for (int j = i; j < HAFT_SPAN; j++, upper++) {
+            int ij = g->slot[i * HAFT_SPAN + j];
+            if (ij >= 0) {
+                hessian[ij] += g->stiffness[upper];
+                hessian[i == j ? ij : g->slot[j * HAFT_SPAN + i]] +=
+                    i == j ? 0 : g->stiffness[upper];
             }
         }
     }
+}
+
+static bool share_unknowns(const haft_site *a, const haft_site *b) {
+    return memcmp(a->dof, b->dof, sizeof a->dof) == 0;
+}
+
+/* Contact of all sites: their energy [J], and their forces and stiffnesses into the sums. */
+static double add_contact(const haft_model *model, const haft_law *laws, const double *u,
+                          double *gradient, double *hessian, double *largest) {
+    double energy = 0;
+    group g = {.first = NULL};
+    for (size_t r = 0; r < model->sites; r++) {
+        const haft_site *site = &model->site[r];
+        if (g.first == NULL || !share_unknowns(g.first, site)) {
+            if (g.any) {
+                scatter_group(&g, gradient, hessian);
+            }
+            g = (group){.first = site, .slot = model->site_slot + r * HAFT_SPAN * HAFT_SPAN};
+        }
+        haft_law_value f =
+            haft_law_evaluate(&laws[r], model->gap - haft_model_displacement(site, u));
+        energy += site->area * f.potential;
+        double weight = site->area / model->energy_unit;
+        if (f.force != 0 || f.slope != 0) {
+            add_to_group(&g, site, weight * f.force, -weight * f.slope);
+            for (int k = 0; k < HAFT_SPAN; k++) {
+                *largest = larger(*largest, fabs(weight * f.force * site->shape[k]));
+            }
+        }
+    }
+    if (g.any) {
+        scatter_group(&g, gradient, hessian);
+    }
+    return energy;
 }
 
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, const double *u,
@@ -85,22 +145,9 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
         energy.strain += element_energy(&model->element[e], u, gradient, &largest);
     }
     energy.strain *= model->energy_unit;
-    for (size_t r = 0; r < model->sites; r++) {
-        const haft_site *site = &model->site[r];
-        haft_law_value f =
-            haft_law_evaluate(&laws[r], model->gap - haft_model_displacement(site, u));
-        energy.contact += site->area * f.potential;
-        double weight = site->area / model->energy_unit;
-        if (gradient != NULL && f.force != 0) {
-            add_force(site, weight * f.force, gradient, &largest);
-        }
-        if (hessian != NULL && f.slope != 0) {
-            add_stiffness(site, model->site_slot + r * HAFT_SPAN * HAFT_SPAN, -weight * f.slope,
-                          hessian);
-        }
-    }
+    energy.contact = add_contact(model, laws, u, gradient, hessian, &largest);
     if (gradient != NULL) {
-        add_force(&model->load, -load / model->energy_unit, gradient, &largest);
+        add_load(&model->load, -load / model->energy_unit, gradient, &largest);
     }
     if (force_scale != NULL) {
         *force_scale = largest;

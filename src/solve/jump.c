@@ -59,26 +59,26 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, dou
     return HAFT_OUTCOME_STUCK;
 }
 
-haft_step_result haft_jump_at_fold(haft_walker *w, haft_step *step, double limit,
-                                   haft_outcome *outcome) {
+haft_step_result haft_jump_locate_fold(haft_walker *w, haft_step *step, double limit,
+                                       double *defect) {
     haft_tracker *t = w->t;
-    double fold_defect = 0;
-    if (!haft_fold_locate(t, step, w->direction, &fold_defect)) {
+    if (!haft_fold_locate(t, step, w->direction, defect)) {
         return HAFT_STEP_REJECTED;
     }
     if ((t->next.load - limit) * w->direction >= 0) {
         return HAFT_STEP_UNSTABLE;
     }
-    if (fabs(step->defect) > step->allowed) {
-        return HAFT_STEP_REJECTED;
-    }
+    return fabs(step->defect) > step->allowed ? HAFT_STEP_REJECTED : HAFT_STEP_TAKEN;
+}
+
+haft_outcome haft_jump_at_fold(haft_walker *w, const haft_step *step, double defect) {
+    haft_tracker *t = w->t;
     haft_walker_swap(t);
     haft_walker_book(w, step->work, 0);
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] *= step->sign;
     }
-    *outcome = jump_from_here(w, HAFT_DEPARTURE_FOLD, fold_defect);
-    return HAFT_STEP_TAKEN;
+    return jump_from_here(w, HAFT_DEPARTURE_FOLD, defect);
 }
 
 /* Pi at the load of `here`, at here + amplitude * null. */

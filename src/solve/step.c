@@ -115,8 +115,9 @@ static void shrink(haft_walker *w, haft_step *step) {
     step->dtau *= factor;
 }
 
-/* Shortens a taken step so that it ends where the crack length asked for is just reached. */
-static void stop_at_target(haft_walker *w, haft_step *step) {
+/* Shortens a step that goes past the crack length asked for so that it ends where that is just
+ * reached. @return false if no such step could be taken. */
+static bool stop_at_target(haft_walker *w, haft_step *step) {
     double low = 0, high = step->dtau, full = fabs(step->dtau);
     while (fabs(high - low) > 1e-13 * full) {
         step->dtau = 0.5 * (low + high);
@@ -132,7 +133,8 @@ static void stop_at_target(haft_walker *w, haft_step *step) {
         }
     }
     step->dtau = high;
-    haft_branch_try(w->t, step, w->direction);
+    haft_step_result result = haft_branch_try(w->t, step, w->direction);
+    return result == HAFT_STEP_TAKEN || result == HAFT_STEP_DIPS;
 }
 
 /* Takes the load itself as control to end a step exactly at a load. */
@@ -165,7 +167,6 @@ haft_outcome haft_walker_advance(haft_walker *w) {
     depart(w, &step);
     stop_at_kink(w, &step);
     double limit = w->direction > 0 ? t->programme.load_limit / t->load_unit : 0;
-    haft_outcome outcome = HAFT_OUTCOME_STEP_STALLED;
     while (w->eta > LEAST_STEP) {
         haft_step_result result = haft_branch_try(t, &step, w->direction);
         if (result == HAFT_STEP_DIPS) {
@@ -173,13 +174,15 @@ haft_outcome haft_walker_advance(haft_walker *w) {
             continue;
         }
         bool past_load = result == HAFT_STEP_TAKEN && (t->next.load - limit) * w->direction >= 0;
+        double fold_defect = 0;
         if (result == HAFT_STEP_FOLD) {
-            result = haft_jump_at_fold(w, &step, limit, &outcome);
-            if (result == HAFT_STEP_TAKEN) {
+            result = haft_jump_locate_fold(w, &step, limit, &fold_defect);
+            past_load = result == HAFT_STEP_UNSTABLE;
+            if (result == HAFT_STEP_TAKEN && !haft_walker_reached(w, &t->next)) {
+                haft_outcome outcome = haft_jump_at_fold(w, &step, fold_defect);
                 bool over = outcome == HAFT_OUTCOME_STUCK && haft_walker_reached(w, &t->here);
                 return over ? HAFT_OUTCOME_FREE : outcome;
             }
-            past_load = result == HAFT_STEP_UNSTABLE;
         }
         if (past_load) {
             if (stop_at_load(w, &step, limit)) {
@@ -189,13 +192,12 @@ haft_outcome haft_walker_advance(haft_walker *w) {
             }
         } else if (result == HAFT_STEP_TAKEN) {
             bool over = haft_walker_reached(w, &t->next);
-            if (over) {
-                stop_at_target(w, &step);
+            if (!over || stop_at_target(w, &step)) {
+                accept(w, &step);
+                return over ? HAFT_OUTCOME_FREE : HAFT_OUTCOME_STUCK;
             }
-            accept(w, &step);
-            return over ? HAFT_OUTCOME_FREE : HAFT_OUTCOME_STUCK;
         }
-        if (result == HAFT_STEP_UNSTABLE && w->eta < EDGE_STEP) {
+        if (result == HAFT_STEP_UNSTABLE && !past_load && w->eta < EDGE_STEP) {
             return haft_jump_at_bifurcation(w, &step);
         }
         shrink(w, &step);

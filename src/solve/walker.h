@@ -34,11 +34,14 @@ haft_outcome haft_walker_advance(haft_walker *w);
 
 /* ---- jump.c ---- */
 
-/* Locates the fold behind a step that ended beyond it, books the stretch up to it, and jumps.
- * @return REJECTED if the stretch is too long for its ledger, UNSTABLE if the load's limit comes
- * before the fold, TAKEN otherwise, with the jump's outcome. */
-haft_step_result haft_jump_at_fold(haft_walker *w, haft_step *step, double limit,
-                                   haft_outcome *outcome);
+/* Locates the fold behind a step that ended beyond it: it is then in `next`, and the step that up
+ * to it. @return REJECTED if it could not be located or the stretch is too long for its ledger,
+ * UNSTABLE if the load's limit comes before it, TAKEN otherwise. */
+haft_step_result haft_jump_locate_fold(haft_walker *w, haft_step *step, double limit,
+                                       double *defect);
+
+/* Books the stretch up to the fold located in `next`, and jumps. */
+haft_outcome haft_jump_at_fold(haft_walker *w, const haft_step *step, double defect);
 
 /* Leaves a branch where it loses its stability though its load does not turn: `next` holds a state
  * just beyond. */

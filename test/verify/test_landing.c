@@ -2,16 +2,13 @@
 /* Landings against CVODE. The oracle knows nothing of folds or null vectors: from the last stable
  * state before each jump, at the fold's load and a millionth more, it integrates M u' = -grad Pi by
  * variable-order BDF at tight tolerance until nothing moves. */
-#include "check.h"
-#include "haft/solve.h"
+#include "random_beam.h"
 
 #include <cvode/cvode.h>
 #include <gsl/gsl_linalg.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
-
-static const haft_beam_spec BEAM = {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9};
 
 typedef struct oracle {
     const haft_model *model;
@@ -64,6 +61,12 @@ static oracle make_oracle(const haft_model *m, const haft_law *law) {
     return o;
 }
 
+static void free_oracle(oracle *o) {
+    gsl_matrix_free(o->mass);
+    haft_memory_free(o->gradient);
+    haft_memory_free(o->hessian);
+}
+
 /* Integrates from `u` until the gaps' speed has died away; the end replaces `u`. */
 static void let_flow(oracle *o, double *u) {
     SUNContext context;
@@ -99,56 +102,38 @@ static double farthest_gap(const haft_model *m, const double *u, const double *v
     return most;
 }
 
-static void make_laws(const haft_model *model, uint64_t seed, haft_law *law) {
-    for (size_t r = 0; r < model->sites; r++) {
-        double z[4];
-        haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 0, r, 0, 4, z);
-        double d_max = 11e-9 + 0.4e-9 * z[2];
-        haft_law_vector v = {3.6e-3 * exp(0.3 * z[0]), 1e6 * exp(0.25 * z[0] + 0.1 * z[1]), d_max,
-                             d_max - 2.8e-9 * exp(0.1 * z[3])};
-        assert_int_equal(haft_law_morse(&law[r], &v, 5e6), HAFT_LAW_SOUND);
-    }
-}
-
 static void every_jump_lands_where_cvode_does(void **state) {
     (void)state;
-    haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6};
-    haft_model *model = NULL;
-    check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
-    double *u = haft_memory_alloc(model->dofs, sizeof *u, &error);
-    oracle o = make_oracle(model, law);
     size_t jumps = 0;
     double worst = 0;
     for (uint64_t seed = 1; seed <= 3; seed++) {
-        make_laws(model, seed, law);
-        haft_programme programme = {150e-6, 0.01, INFINITY};
-        haft_path_options options = {.keep_states = true};
-        haft_path *path = NULL;
-        check_ok(haft_solve_path(&path, model, law, &programme, &options, &error), error);
+        haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6};
+        random_beam b = random_beam_create(seed, mesh);
+        oracle o = make_oracle(b.model, b.law);
+        size_t n = b.model->dofs;
+        double *u = haft_memory_alloc(n, sizeof *u, NULL);
+        haft_path *path = random_beam_cycle(&b, (haft_path_options){.keep_states = true});
         assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
         for (size_t i = 1; i < path->points; i++) {
             const haft_path_point *p = &path->point[i];
             if (p->jump < 0) {
                 continue;
             }
-            memcpy(u, path->state + (i - 1) * model->dofs, model->dofs * sizeof *u);
+            memcpy(u, path->state + (i - 1) * n, n * sizeof *u);
             o.load = p->load * (p->phase == 0 ? 1 + 1e-6 : 1 - 1e-6);
             let_flow(&o, u);
-            double miss = farthest_gap(model, u, path->state + i * model->dofs);
+            double miss = farthest_gap(b.model, u, path->state + i * n);
             worst = fmax(worst, miss);
             check_less(miss, 1e-12); /* a thousandth of a law's range */
             jumps++;
         }
         haft_path_destroy(&path);
+        haft_memory_free(u);
+        free_oracle(&o);
+        random_beam_destroy(&b);
     }
     print_message("  %zu jumps, gaps within %.1e m of CVODE's\n", jumps, worst);
     assert_true(jumps > 30);
-    gsl_matrix_free(o.mass);
-    haft_memory_free(o.gradient), haft_memory_free(o.hessian);
-    haft_memory_free(u), haft_memory_free(law);
-    haft_model_destroy(&model);
 }
 
 int main(void) {
