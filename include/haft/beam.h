@@ -115,8 +115,9 @@ void haft_model_destroy(haft_model **model);
 
 /** The two parts of a state's energy [J]. */
 typedef struct haft_energy {
-    double strain;  /**< 1/2 u'Ku */
-    double contact; /**< sum A_r Phi_r(d_r) */
+    double strain;   /**< 1/2 u'Ku */
+    double contact;  /**< sum A_r Phi_r(d_r) */
+    double rounding; /**< what rounding of u alone may make of their sum */
 } haft_energy;
 
 /** Displacement of a site or of the load point [m]. */
@@ -133,6 +134,12 @@ void haft_model_gaps(const haft_model *model, const double *u, double *d);
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, const double *u,
                                 double load, double *gradient, double *hessian,
                                 double *force_scale);
+
+/** y = H(u) x, strain through the deformation modes and contact site by site: where elements are
+ * short the assembled Hessian's own product would lose digits like (length / element)^4.
+ * Thread-safe. */
+void haft_model_multiply(const haft_model *model, const haft_law *laws, const double *u,
+                         const double *x, double *y);
 
 /** Deflection w [m] and rotation dw/dx of a beam at x: Hermite interpolation of its own shape. */
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,

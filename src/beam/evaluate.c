@@ -30,8 +30,10 @@ static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
+/* Strain energy of an element; its forces go into the gradient, and how much the energy moves when
+ * each unknown is rounded into `rounding`, in units of 2^-53. */
 static double element_energy(const haft_element *element, const double *u, double *gradient,
-                             double *largest) {
+                             double *largest, double *rounding) {
     double v[HAFT_SPAN];
     for (int k = 0; k < HAFT_SPAN; k++) {
         v[k] = element->dof[k] < 0 ? 0 : u[element->dof[k]];
@@ -44,6 +46,7 @@ static double element_energy(const haft_element *element, const double *u, doubl
             double term = element->mode[0][k] * m0 + element->mode[1][k] * m1;
             gradient[element->dof[k]] += term;
             *largest = larger(*largest, fabs(term));
+            *rounding += fabs(term * v[k]);
         }
     }
     return 0.5 * (q0 * m0 + q1 * m1);
@@ -102,7 +105,7 @@ static bool share_unknowns(const haft_site *a, const haft_site *b) {
 
 /* Contact of all sites: their energy [J], and their forces and stiffnesses into the sums. */
 static double add_contact(const haft_model *model, const haft_law *laws, const double *u,
-                          double *gradient, double *hessian, double *largest) {
+                          double *gradient, double *hessian, double *largest, double *rounding) {
     double energy = 0;
     group g = {.first = NULL};
     for (size_t r = 0; r < model->sites; r++) {
@@ -116,6 +119,7 @@ static double add_contact(const haft_model *model, const haft_law *laws, const d
         haft_law_value f =
             haft_law_evaluate(&laws[r], model->gap - haft_model_displacement(site, u));
         energy += site->area * f.potential;
+        *rounding += site->area * fabs(f.force) * model->gap;
         double weight = site->area / model->energy_unit;
         if (f.force != 0 || f.slope != 0) {
             add_to_group(&g, site, weight * f.force, -weight * f.slope);
@@ -134,7 +138,7 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
                                 double load, double *gradient, double *hessian,
                                 double *force_scale) {
     haft_energy energy = {0};
-    double largest = 0;
+    double largest = 0, strain_rounding = 0;
     if (gradient != NULL) {
         memset(gradient, 0, model->dofs * sizeof *gradient);
     }
@@ -142,10 +146,13 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
         memcpy(hessian, model->stiffness, model->nonzeros * sizeof *hessian);
     }
     for (size_t e = 0; e < model->elements; e++) {
-        energy.strain += element_energy(&model->element[e], u, gradient, &largest);
+        energy.strain +=
+            element_energy(&model->element[e], u, gradient, &largest, &strain_rounding);
     }
     energy.strain *= model->energy_unit;
-    energy.contact = add_contact(model, laws, u, gradient, hessian, &largest);
+    double rounding = 0;
+    energy.contact = add_contact(model, laws, u, gradient, hessian, &largest, &rounding);
+    energy.rounding = 0x1p-53 * (strain_rounding * model->energy_unit + rounding);
     if (gradient != NULL) {
         add_load(&model->load, -load / model->energy_unit, gradient, &largest);
     }
@@ -153,4 +160,22 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
         *force_scale = largest;
     }
     return energy;
+}
+
+void haft_model_multiply(const haft_model *model, const haft_law *laws, const double *u,
+                         const double *x, double *y) {
+    double largest = 0, rounding = 0;
+    memset(y, 0, model->dofs * sizeof *y);
+    for (size_t e = 0; e < model->elements; e++) {
+        element_energy(&model->element[e], x, y, &largest, &rounding); /* quadratic: its gradient */
+    }
+    for (size_t r = 0; r < model->sites; r++) {
+        const haft_site *site = &model->site[r];
+        haft_law_value f =
+            haft_law_evaluate(&laws[r], model->gap - haft_model_displacement(site, u));
+        if (f.slope != 0) {
+            double weight = -site->area / model->energy_unit * f.slope;
+            add_load(site, weight * haft_model_displacement(site, x), y, &largest);
+        }
+    }
 }

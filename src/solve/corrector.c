@@ -17,7 +17,7 @@
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_sparse.h>
 
-enum { NEWTON_LIMIT = 8 };
+enum { NEWTON_LIMIT = 12 };
 
 /* Residuals are measured against the forces at hand, but never against less than this, in units of
  * energy_unit / gap: an unloaded beam far above its substrate has none. */

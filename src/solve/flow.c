@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FLOW_STEPS = 100000, STAGES = 4 };
+enum { FLOW_STEPS = 100000, STAGES = 4, NOT_FINITE_LIMIT = 100 };
 
 /* How far along the null vector the flow starts; how small Newton's step must be to finish; how
  * small the flow's own step before that is tried. */
@@ -94,7 +94,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
 
 /* Whether `state`, evaluated last, is stable and Newton would move it little. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
-    if (haft_branch_certify(t).negative != 0) {
+    if (haft_branch_certify(t, state->u).negative != 0) {
         return false;
     }
     double *step = t->scratch[1];
@@ -120,7 +120,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
     if (haft_tracker_move(t, flowing->u, moved, NULL) > 2 * ARRIVAL) {
         return false;
     }
-    return haft_branch_certify(t).negative == 0;
+    return haft_branch_certify(t, landed->u).negative == 0;
 }
 
 /* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */
@@ -193,6 +193,9 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         dt *= fmin(GROWTH, fmax(SHRINKAGE, factor));
         if (!(error <= t->options.flow_step)) {
             dt = fmin(dt, 0.7 * before);
+            if (t->not_finite > NOT_FINITE_LIMIT) {
+                return HAFT_OUTCOME_NOT_FINITE;
+            }
             if (!(dt > 1e-40) || !haft_tracker_evaluate(t, from->u, from->load, NULL, NULL)) {
                 return HAFT_OUTCOME_FLOW_STALLED;
             }

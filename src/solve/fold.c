@@ -29,7 +29,7 @@ static bool evaluate_at(haft_tracker *t, haft_step *step, double dtau, haft_iner
     if (!haft_corrector_solve(t, step->control, value, &t->next)) {
         return false;
     }
-    *inertia = haft_branch_certify(t);
+    *inertia = haft_branch_certify(t, t->next.u);
     if (inertia->negative < 0) {
         return false;
     }

@@ -24,6 +24,7 @@ void haft_walker_record(haft_walker *w, int jump) {
     if (haft_record_point(w->path, w->t, &w->ledger, w->phase, jump, w->error) != HAFT_OK) {
         w->failed = true;
     }
+    w->t->not_finite = 0;
 }
 
 double haft_walker_crack(const haft_tracker *t, const haft_state *state) {
@@ -45,6 +46,9 @@ static haft_outcome follow(haft_walker *w) {
             return HAFT_OUTCOME_STEP_LIMIT;
         }
         haft_outcome outcome = haft_walker_advance(w);
+        if (outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE && w->t->not_finite > 0) {
+            return HAFT_OUTCOME_NOT_FINITE; /* that is what the step could not get past */
+        }
         if (outcome == HAFT_OUTCOME_FREE) {
             return HAFT_OUTCOME_STUCK;
         }
@@ -70,7 +74,7 @@ static haft_outcome walk(haft_walker *w) {
     if (!haft_corrector_solve(t, load, 0, &t->here)) {
         return HAFT_OUTCOME_NOT_FINITE;
     }
-    if (haft_branch_certify(t).negative != 0) {
+    if (haft_branch_certify(t, t->here.u).negative != 0) {
         return HAFT_OUTCOME_STEP_STALLED;
     }
     w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;

@@ -16,13 +16,16 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
     for (size_t i = 0; i < t->n; i++) {
         sum += t->gradient[i];
     }
+    t->not_finite += !isfinite(sum);
     return isfinite(sum);
 }
 
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load) {
     haft_energy e =
         haft_model_evaluate(t->model, t->laws, u, load * t->load_unit, t->gradient, NULL, NULL);
-    return isfinite(e.strain + e.contact);
+    double sum = e.strain + e.contact;
+    t->not_finite += !isfinite(sum);
+    return isfinite(sum);
 }
 
 double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v) {

@@ -53,6 +53,7 @@ typedef struct haft_tracker {
     haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
     haft_branch rebased;    /* start, kept while another control is tried */
     double *null;           /* n: null vector at a fold */
+    size_t not_finite;      /* evaluations that were not, since the last accepted state */
     haft_path_cost cost;
 } haft_tracker;
 
@@ -98,9 +99,9 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
 /* ---- branch.c
  * ------------------------------------------------------------------------------------- */
 
-/* Factors the Hessian at the state last evaluated and sets t->solution. @return its inertia, with
- * negative = -1 if it could not be factored. */
-haft_inertia haft_branch_certify(haft_tracker *t);
+/* Factors the Hessian at the state last evaluated, u, and sets t->solution. @return its inertia,
+ * with negative = -1 if it could not be factored. */
+haft_inertia haft_branch_certify(haft_tracker *t, const double *u);
 
 /* Derivatives at a certified state. `side` is the sign of dtau of the motion on whose side the
  * laws' kinks are read: where it leads when leaving, where it comes from (pass -sign) when
