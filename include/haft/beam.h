@@ -135,11 +135,15 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
                                 double load, double *gradient, double *hessian,
                                 double *force_scale);
 
-/** y = H(u) x, strain through the deformation modes and contact site by site: where elements are
- * short the assembled Hessian's own product would lose digits like (length / element)^4.
- * Thread-safe. */
-void haft_model_multiply(const haft_model *model, const haft_law *laws, const double *u,
-                         const double *x, double *y);
+/** Each site's part in the Hessian at a state, -A_r f'_r(d_r) in units of energy a square metre,
+ * for haft_model_multiply(). Thread-safe. */
+void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, const double *u,
+                               double *site_stiffness);
+
+/** y = H x, strain through the deformation modes and contact site by site: where elements are short
+ *  the assembled Hessian's own product would lose digits like (length / element)^4. Thread-safe. */
+void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
+                         double *y);
 
 /** Deflection w [m] and rotation dw/dx of a beam at x: Hermite interpolation of its own shape. */
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,

@@ -162,20 +162,26 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
     return energy;
 }
 
-void haft_model_multiply(const haft_model *model, const haft_law *laws, const double *u,
-                         const double *x, double *y) {
+void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, const double *u,
+                               double *site_stiffness) {
+    for (size_t r = 0; r < model->sites; r++) {
+        const haft_site *site = &model->site[r];
+        double d = model->gap - haft_model_displacement(site, u);
+        site_stiffness[r] = -site->area / model->energy_unit * haft_law_evaluate(&laws[r], d).slope;
+    }
+}
+
+void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
+                         double *y) {
     double largest = 0, rounding = 0;
     memset(y, 0, model->dofs * sizeof *y);
     for (size_t e = 0; e < model->elements; e++) {
         element_energy(&model->element[e], x, y, &largest, &rounding); /* quadratic: its gradient */
     }
     for (size_t r = 0; r < model->sites; r++) {
-        const haft_site *site = &model->site[r];
-        haft_law_value f =
-            haft_law_evaluate(&laws[r], model->gap - haft_model_displacement(site, u));
-        if (f.slope != 0) {
-            double weight = -site->area / model->energy_unit * f.slope;
-            add_load(site, weight * haft_model_displacement(site, x), y, &largest);
+        if (site_stiffness[r] != 0) {
+            const haft_site *site = &model->site[r];
+            add_load(site, site_stiffness[r] * haft_model_displacement(site, x), y, &largest);
         }
     }
 }

@@ -22,6 +22,10 @@
 /* A step shorter than this, in ranges, is not looked into: the rates' rounding would be. */
 #define DIP_STEP 1e-4
 
+/* A mesh whose solutions by the factors alone are off by more than this, relatively, has them
+ * refined: elements below about a two-hundredth of the length. */
+#define LOST_DIGITS 1e-9
+
 /* Steps of iterative refinement at most. */
 enum { REFINEMENTS = 6 };
 
@@ -36,31 +40,44 @@ static double greatest(const double *v, size_t n) {
     return most;
 }
 
-/* Solves H x = b, b in x on entry, H factored and that of state u: iterative refinement with
- * products through the deformation modes gives back the digits that slender elements cost the
- * factors. */
-static void solve_refined(haft_tracker *t, const double *u, double *x) {
-    double *b = t->scratch[0], *step = t->scratch[1], last = INFINITY;
+/* One step of iterative refinement of H x = b, H the one factored, with a product through the
+ * deformation modes. @return the change relative to x */
+static double refine(haft_tracker *t, const double *b, double *x) {
+    double *step = t->scratch[1];
+    haft_model_multiply(t->model, t->site_stiffness, x, step);
+    for (size_t k = 0; k < t->n; k++) {
+        step[k] = b[k] - step[k];
+    }
+    haft_factor_solve(t->factor, step, 1);
+    double change = greatest(step, t->n) / greatest(x, t->n);
+    for (size_t k = 0; k < t->n && change < 1; k++) {
+        x[k] += step[k];
+    }
+    return change;
+}
+
+/* Solves H x = b, b in x on entry, H certified. */
+static void solve_refined(haft_tracker *t, double *x) {
+    double *b = t->scratch[0], last = INFINITY;
     memcpy(b, x, t->n * sizeof *b);
     haft_factor_solve(t->factor, x, 1);
-    for (int i = 0; i < REFINEMENTS; i++) {
-        haft_model_multiply(t->model, t->laws, u, x, step);
-        for (size_t k = 0; k < t->n; k++) {
-            step[k] = b[k] - step[k];
-        }
-        haft_factor_solve(t->factor, step, 1);
-        double change = greatest(step, t->n) / greatest(x, t->n);
-        if (!(change < 0.5 * last)) {
-            return;
-        }
-        for (size_t k = 0; k < t->n; k++) {
-            x[k] += step[k];
-        }
-        if (change < 1e-13) {
+    for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
+        double change = refine(t, b, x);
+        if (!(change < 0.5 * last) || change < 1e-13) {
             return;
         }
         last = change;
     }
+}
+
+bool haft_branch_loses_digits(haft_tracker *t, const double *u) {
+    double *b = t->scratch[0];
+    haft_model_site_stiffness(t->model, t->laws, u, t->site_stiffness);
+    memset(b, 0, t->n * sizeof *b);
+    haft_tracker_add_row(t, &t->model->load, 1, b);
+    memcpy(t->solution, b, t->n * sizeof *b);
+    haft_factor_solve(t->factor, t->solution, 1);
+    return refine(t, b, t->solution) > LOST_DIGITS;
 }
 
 haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
@@ -68,9 +85,12 @@ haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
     if (!haft_factor_update(t->factor, t->hessian)) {
         return (haft_inertia){-1, 0};
     }
+    if (t->needs_refinement) {
+        haft_model_site_stiffness(t->model, t->laws, u, t->site_stiffness);
+    }
     memset(t->solution, 0, t->n * sizeof *t->solution);
     haft_tracker_add_row(t, &t->model->load, 1, t->solution);
-    solve_refined(t, u, t->solution);
+    solve_refined(t, t->solution);
     return haft_factor_inertia(t->factor);
 }
 
@@ -90,7 +110,7 @@ static void second_derivatives(haft_tracker *t, const haft_state *state, haft_co
             haft_tracker_add_row(t, site, -weight * curvature * motion * motion * gap, out->u2);
         }
     }
-    solve_refined(t, state->u, out->u2);
+    solve_refined(t, out->u2);
     out->load2 = 0;
     if (control.site != NULL) {
         out->load2 = -haft_tracker_row(t, control.site, out->u2) / rate;

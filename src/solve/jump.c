@@ -116,7 +116,9 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
     memcpy(t->null, t->mode, t->n * sizeof(double));
     double amplitude = 0.01 / haft_tracker_move(t, t->here.u, t->null, NULL);
     double forth = energy_beside(t, amplitude), back = energy_beside(t, -amplitude);
-    double alike = 1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
+    double rounding = 8 * t->here.energy.rounding +
+                      0x1p-46 * (fabs(t->here.energy.strain) + fabs(t->here.energy.contact));
+    double alike = rounding + 1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
     int sign = fabs(forth - back) <= alike ? conventional_sign(w) : forth < back ? 1 : -1;
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] *= sign;

@@ -77,6 +77,8 @@ static haft_outcome walk(haft_walker *w) {
     if (haft_branch_certify(t, t->here.u).negative != 0) {
         return HAFT_OUTCOME_STEP_STALLED;
     }
+    t->needs_refinement = haft_branch_loses_digits(t, t->here.u);
+    haft_branch_certify(t, t->here.u);
     w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
     haft_walker_record(w, -1);
     w->eta = t->options.gap_step;

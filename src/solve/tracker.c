@@ -112,8 +112,9 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     t->far = haft_memory_alloc(sites, sizeof(double), error);
     t->gap_before = haft_memory_alloc(sites, sizeof(double), error);
     t->gap_after = haft_memory_alloc(sites, sizeof(double), error);
-    bool all =
-        t->hessian && t->matrix && t->range && t->reach && t->far && t->gap_before && t->gap_after;
+    t->site_stiffness = haft_memory_alloc(sites, sizeof(double), error);
+    bool all = t->hessian && t->matrix && t->range && t->reach && t->far && t->gap_before &&
+               t->gap_after && t->site_stiffness;
     return all ? HAFT_OK : HAFT_ERROR_MEMORY;
 }
 
@@ -185,6 +186,7 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     haft_memory_free(t->far);
     haft_memory_free(t->gap_before);
     haft_memory_free(t->gap_after);
+    haft_memory_free(t->site_stiffness);
     haft_memory_free(t);
     *tracker = NULL;
 }

@@ -49,10 +49,12 @@ typedef struct haft_tracker {
     double *scratch[4];                  /* n each */
     double *stage[4];                    /* n each: the flow's stages */
     double *gap_before, *gap_after;      /* sites each */
+    double *site_stiffness;              /* sites: at the state last certified, for refinement */
     haft_state here, next, spare;        /* accepted, tried, and the flow's second */
     haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
     haft_branch rebased;    /* start, kept while another control is tried */
     double *null;           /* n: null vector at a fold */
+    bool needs_refinement;  /* the factors alone lose too many digits */
     size_t not_finite;      /* evaluations that were not, since the last accepted state */
     haft_path_cost cost;
 } haft_tracker;
@@ -102,6 +104,9 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
 /* Factors the Hessian at the state last evaluated, u, and sets t->solution. @return its inertia,
  * with negative = -1 if it could not be factored. */
 haft_inertia haft_branch_certify(haft_tracker *t, const double *u);
+
+/* Whether solutions by the factors at hand, those of the Hessian at u, lose too many digits. */
+bool haft_branch_loses_digits(haft_tracker *t, const double *u);
 
 /* Derivatives at a certified state. `side` is the sign of dtau of the motion on whose side the
  * laws' kinks are read: where it leads when leaving, where it comes from (pass -sign) when
