@@ -272,6 +272,18 @@ static double border_stiffness(const haft_tracker *t, haft_control control) {
     return 1 + slope * control.site->area * gap * gap / t->model->energy_unit;
 }
 
+/* Runs KINSOL from c->y down to a residual of `tolerance`. */
+static bool run_kinsol(haft_corrector *c, double tolerance) {
+    if (KINSetFuncNormTol(c->kinsol, tolerance) != KIN_SUCCESS) {
+        return false;
+    }
+    int flag = KINSol(c->kinsol, c->y, KIN_NONE, c->y_scale, c->f_scale);
+    long iterations = 0;
+    KINGetNumNonlinSolvIters(c->kinsol, &iterations);
+    c->tracker->cost.newton_iterations += (size_t)iterations;
+    return flag == KIN_SUCCESS || flag == KIN_INITIAL_GUESS_OK;
+}
+
 bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, haft_state *state) {
     haft_corrector *c = t->corrector;
     c->control = control;
@@ -287,20 +299,18 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     }
     c->evaluated = true;
     force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
-    double floor_force = rounding_floor(t, y);
-    double tolerance = fmax(t->options.residual_tolerance, floor_force / force);
     N_VConst(1 / force, c->f_scale);
     double control_length =
         control.site == NULL ? fmax(fabs(value), 1) : t->range[control.index] / t->model->gap;
     N_VGetArrayPointer(c->f_scale)[t->n] = 1 / control_length;
-    if (KINSetFuncNormTol(c->kinsol, tolerance) != KIN_SUCCESS) {
-        return false;
+    double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
+    bool solved = run_kinsol(c, tolerance);
+    if (!solved && c->finite) { /* the floor at the start, at rest say, can be far too low */
+        double floor_here = rounding_floor(t, y) / force;
+        c->evaluated = false;
+        solved = floor_here > tolerance && run_kinsol(c, floor_here);
     }
-    int flag = KINSol(c->kinsol, c->y, KIN_NONE, c->y_scale, c->f_scale);
-    long iterations = 0;
-    KINGetNumNonlinSolvIters(c->kinsol, &iterations);
-    t->cost.newton_iterations += (size_t)iterations;
-    if (flag != KIN_SUCCESS && flag != KIN_INITIAL_GUESS_OK) {
+    if (!solved) {
         return false;
     }
     memcpy(state->u, y, t->n * sizeof *y);

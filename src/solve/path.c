@@ -72,7 +72,7 @@ static haft_outcome walk(haft_walker *w) {
     haft_tracker *t = w->t;
     haft_control load = {NULL, 0};
     if (!haft_corrector_solve(t, load, 0, &t->here)) {
-        return HAFT_OUTCOME_NOT_FINITE;
+        return t->not_finite > 0 ? HAFT_OUTCOME_NOT_FINITE : HAFT_OUTCOME_STEP_STALLED;
     }
     if (haft_branch_certify(t, t->here.u).negative != 0) {
         return HAFT_OUTCOME_STEP_STALLED;

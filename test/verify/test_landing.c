@@ -1,136 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Landings against CVODE. The oracle knows nothing of folds or null vectors: from the last stable
- * state before each jump, at the fold's load and a millionth more, it integrates M u' = -grad Pi by
- * variable-order BDF at tight tolerance until nothing moves. */
-#include "random_beam.h"
-
-#include <cvode/cvode.h>
-#include <gsl/gsl_linalg.h>
-#include <nvector/nvector_serial.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
-
-typedef struct oracle {
-    const haft_model *model;
-    const haft_law *law;
-    double load;
-    gsl_matrix *mass; /* factored */
-    double *gradient, *hessian;
-} oracle;
-
-static int velocity(double time, N_Vector u, N_Vector out, void *user) {
-    (void)time;
-    oracle *o = user;
-    size_t n = o->model->dofs;
-    haft_model_evaluate(o->model, o->law, N_VGetArrayPointer(u), o->load, o->gradient, NULL, NULL);
-    gsl_vector_view v = gsl_vector_view_array(N_VGetArrayPointer(out), n);
-    for (size_t i = 0; i < n; i++) {
-        gsl_vector_set(&v.vector, i, -o->gradient[i]);
-    }
-    return gsl_linalg_cholesky_svx(o->mass, &v.vector);
-}
-
-static int jacobian(double time, N_Vector u, N_Vector f, SUNMatrix out, void *user, N_Vector a,
-                    N_Vector b, N_Vector c) {
-    (void)time, (void)f, (void)a, (void)b, (void)c;
-    oracle *o = user;
-    const haft_model *m = o->model;
-    haft_model_evaluate(m, o->law, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL);
-    for (size_t j = 0; j < m->dofs; j++) {
-        double *column = SUNDenseMatrix_Column(out, (sunindextype)j);
-        memset(column, 0, m->dofs * sizeof *column);
-        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-            column[m->row[k]] = -o->hessian[k];
-        }
-        gsl_vector_view v = gsl_vector_view_array(column, m->dofs);
-        gsl_linalg_cholesky_svx(o->mass, &v.vector);
-    }
-    return 0;
-}
-
-static oracle make_oracle(const haft_model *m, const haft_law *law) {
-    oracle o = {.model = m, .law = law, .mass = gsl_matrix_calloc(m->dofs, m->dofs)};
-    o.gradient = haft_memory_alloc(m->dofs, sizeof(double), NULL);
-    o.hessian = haft_memory_alloc(m->nonzeros, sizeof(double), NULL);
-    for (size_t j = 0; j < m->dofs; j++) {
-        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-            gsl_matrix_set(o.mass, (size_t)m->row[k], j, m->mass[k]);
-        }
-    }
-    assert_int_equal(gsl_linalg_cholesky_decomp1(o.mass), 0);
-    return o;
-}
-
-static void free_oracle(oracle *o) {
-    gsl_matrix_free(o->mass);
-    haft_memory_free(o->gradient);
-    haft_memory_free(o->hessian);
-}
-
-/* Integrates from `u` until the gaps' speed has died away; the end replaces `u`. */
-static void let_flow(oracle *o, double *u) {
-    SUNContext context;
-    assert_int_equal(SUNContext_Create(NULL, &context), 0);
-    sunindextype n = (sunindextype)o->model->dofs;
-    N_Vector y = N_VMake_Serial(n, u, context);
-    SUNMatrix matrix = SUNDenseMatrix(n, n, context);
-    SUNLinearSolver solver = SUNLinSol_Dense(y, matrix, context);
-    void *cvode = CVodeCreate(CV_BDF, context);
-    assert_int_equal(CVodeInit(cvode, velocity, 0, y), CV_SUCCESS);
-    assert_int_equal(CVodeSStolerances(cvode, 1e-9, 1e-9), CV_SUCCESS);
-    assert_int_equal(CVodeSetUserData(cvode, o), CV_SUCCESS);
-    assert_int_equal(CVodeSetLinearSolver(cvode, solver, matrix), CV_SUCCESS);
-    assert_int_equal(CVodeSetJacFn(cvode, jacobian), CV_SUCCESS);
-    assert_int_equal(CVodeSetMaxNumSteps(cvode, 1000000), CV_SUCCESS);
-    double time = 0;
-    for (double end = 1; end < 1e5; end *= 4) {
-        assert_true(CVode(cvode, end, y, &time, CV_NORMAL) >= 0);
-    }
-    CVodeFree(&cvode);
-    SUNLinSolFree(solver);
-    SUNMatDestroy(matrix);
-    N_VDestroy(y);
-    SUNContext_Free(&context);
-}
-
-static double farthest_gap(const haft_model *m, const double *u, const double *v) {
-    double most = 0;
-    for (size_t r = 0; r < m->sites; r++) {
-        most = fmax(most, fabs(haft_model_displacement(&m->site[r], u) -
-                               haft_model_displacement(&m->site[r], v)));
-    }
-    return most;
-}
+/* Every jump of three random beams lands where CVODE says it does. */
+#include "landing_oracle.h"
 
 static void every_jump_lands_where_cvode_does(void **state) {
     (void)state;
     size_t jumps = 0;
     double worst = 0;
     for (uint64_t seed = 1; seed <= 3; seed++) {
-        haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6};
-        random_beam b = random_beam_create(seed, mesh);
-        oracle o = make_oracle(b.model, b.law);
-        size_t n = b.model->dofs;
-        double *u = haft_memory_alloc(n, sizeof *u, NULL);
-        haft_path *path = random_beam_cycle(&b, (haft_path_options){.keep_states = true});
-        assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
-        for (size_t i = 1; i < path->points; i++) {
-            const haft_path_point *p = &path->point[i];
-            if (p->jump < 0) {
-                continue;
-            }
-            memcpy(u, path->state + (i - 1) * n, n * sizeof *u);
-            o.load = p->load * (p->phase == 0 ? 1 + 1e-6 : 1 - 1e-6);
-            let_flow(&o, u);
-            double miss = farthest_gap(b.model, u, path->state + i * n);
-            worst = fmax(worst, miss);
-            check_less(miss, 1e-12); /* a thousandth of a law's range */
-            jumps++;
-        }
-        haft_path_destroy(&path);
-        haft_memory_free(u);
-        free_oracle(&o);
-        random_beam_destroy(&b);
+        jumps += check_landings(seed, &worst);
     }
     print_message("  %zu jumps, gaps within %.1e m of CVODE's\n", jumps, worst);
     assert_true(jumps > 30);
