@@ -36,7 +36,6 @@ typedef enum haft_outcome {
     HAFT_OUTCOME_STUCK,        /**< unloaded, and still in contact */
     HAFT_OUTCOME_FREE,         /**< unloaded, and touching nowhere */
     HAFT_OUTCOME_STEP_STALLED, /**< no step could be made, however small */
-    HAFT_OUTCOME_FOLD_LOST,    /**< a fold could not be located */
     HAFT_OUTCOME_FLOW_STALLED, /**< a landing did not come to rest */
     HAFT_OUTCOME_STEP_LIMIT,   /**< more steps than allowed */
     HAFT_OUTCOME_NOT_FINITE,   /**< a law gave a value that is not finite */
