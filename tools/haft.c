@@ -185,38 +185,11 @@ static void print_result(const haft_case *c, const haft_summary *summary, bool j
     }
 }
 
-static haft_status write_text(const char *path, const char *text, haft_error *error) {
-    char temporary[PATH_CAPACITY + 8];
-    snprintf(temporary, sizeof temporary, "%s.tmp", path);
-    FILE *file = fopen(temporary, "w");
-    bool written =
-        file != NULL && fputs(text, file) >= 0 && fflush(file) == 0 && fsync(fileno(file)) == 0;
-    int why = errno;
-    if (file != NULL && fclose(file) != 0 && written) {
-        why = errno;
-        written = false;
-    }
-    if (!written || rename(temporary, path) != 0) {
-        why = written ? errno : why;
-        unlink(temporary);
-        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be written: %s", path,
-                              strerror(why));
-    }
-    return HAFT_OK;
-}
-
 /* Saves the resolved case, which reruns to the same bits. */
 static haft_status save_resolved(const haft_case *c, const char *folder, haft_error *error) {
-    char path[PATH_CAPACITY], *text = NULL;
+    char path[PATH_CAPACITY];
     haft_status status = case_out_path(path, folder, "resolved.yaml", error);
-    if (status == HAFT_OK) {
-        status = haft_case_emit(&text, c, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_text(path, text, error);
-    }
-    haft_memory_free(text);
-    return status;
+    return status == HAFT_OK ? haft_case_write(c, path, error) : status;
 }
 
 /* Results that are there are refused before hours go into new ones. */

@@ -100,6 +100,10 @@ void haft_case_destroy(haft_case **c);
  *  haft_memory_free(). */
 haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
 
+/** Writes haft_case_emit()'s text to `path`, whole or not at all. */
+haft_status haft_case_write(const haft_case *c, const char *path,
+                            haft_error *error) HAFT_MUST_CHECK;
+
 /** Digest of all that the laws depend on (surface, contact, f_limit, sampler, the beam's length and
  *  width, l_meso, realizations, seed, the program's version): what must not change for laws.h5 to
  *  stay valid. */

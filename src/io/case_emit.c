@@ -2,6 +2,7 @@
 /* The resolved case as text, and the digest of what the laws depend on. Both follow the schema: SI
  * units, 17 digits (which determine a double), keys in the table's order. */
 #include "case.h"
+#include "store.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -185,5 +186,15 @@ haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CA
         haft_digest_memory(written, size, digest);
         free(written);
     }
+    return status;
+}
+
+haft_status haft_case_write(const haft_case *c, const char *path, haft_error *error) {
+    char *text = NULL;
+    haft_status status = haft_case_emit(&text, c, error);
+    if (status == HAFT_OK) {
+        status = haft_store_put(path, text, strlen(text), error);
+    }
+    haft_memory_free(text);
     return status;
 }

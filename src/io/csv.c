@@ -57,16 +57,7 @@ haft_status haft_csv_write(const char *path, size_t rows, size_t columns,
         free(text);
         return haft_error_set(error, HAFT_ERROR_MEMORY, "%s: out of memory for its text", path);
     }
-    haft_store store;
-    haft_status status = haft_store_open(&store, path, true, error);
-    if (status == HAFT_OK) {
-        status = haft_store_write(&store, text, size, error);
-        if (status == HAFT_OK) {
-            status = haft_store_commit(&store, error);
-        } else {
-            haft_store_abandon(&store);
-        }
-    }
+    haft_status status = haft_store_put(path, text, size, error);
     free(text);
     return status;
 }

@@ -155,3 +155,17 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     release(store);
     return HAFT_OK;
 }
+
+haft_status haft_store_put(const char *path, const void *data, size_t size, haft_error *error) {
+    haft_store store;
+    haft_status status = haft_store_open(&store, path, true, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    status = haft_store_write(&store, data, size, error);
+    if (status == HAFT_OK) {
+        return haft_store_commit(&store, error);
+    }
+    haft_store_abandon(&store);
+    return status;
+}

@@ -11,9 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-/* What the corrector may move a gap by, in the lengths over which its force changes. */
-#define CORRECTION_LIMIT 0.05
-
 /* A step inside which the load's rate falls below this share of the rate at its ends is cut where
  * it is least, unless that is this near to an end. */
 #define DIP_SHARE 0.5
@@ -176,14 +173,9 @@ double haft_branch_work(const haft_tracker *t, double dtau) {
 
 double haft_branch_least_eigenvalue(haft_tracker *t) {
     double *x = t->mode, *y = t->scratch[0], lambda = 0;
-    const haft_model *m = t->model;
     for (int sweep = 0; sweep < 3; sweep++) {
         memset(y, 0, t->n * sizeof *y);
-        for (size_t j = 0; j < t->n; j++) {
-            for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-                y[m->row[k]] += m->mass[k] * x[j];
-            }
-        }
+        haft_tracker_add_mass(t, 1, x, y);
         double before = 0, after = 0;
         for (size_t i = 0; i < t->n; i++) {
             before += x[i] * y[i];
@@ -216,18 +208,11 @@ static double total(haft_energy e) {
     return e.strain + e.contact;
 }
 
-/* Rounding in the difference of two energies: a few units in the last place of their parts, and
- * what rounding of the states makes of them. */
-static double energy_rounding(const haft_tracker *t) {
-    double size = fabs(t->here.energy.strain) + fabs(t->here.energy.contact) +
-                  fabs(t->next.energy.strain) + fabs(t->next.energy.contact);
-    return 0x1p-47 * size + 4 * (t->here.energy.rounding + t->next.energy.rounding);
-}
-
 void haft_branch_book(haft_tracker *t, haft_step *step) {
     step->work = haft_branch_work(t, step->dtau);
     step->defect = total(t->next.energy) - total(t->here.energy) - step->work;
-    step->allowed = t->options.ledger_tolerance * fabs(step->work) + energy_rounding(t);
+    step->allowed =
+        t->options.ledger_tolerance * fabs(step->work) + haft_tracker_rounding(&t->here, &t->next);
 }
 
 static double load_rate(const quintic *p, double s) {
@@ -273,7 +258,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
         t->scratch[2][i] = t->next.u[i] - t->scratch[2][i];
     }
     step->moved = haft_tracker_move(t, t->next.u, t->scratch[2], NULL);
-    if (!(step->moved <= CORRECTION_LIMIT)) {
+    if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }
     step->inertia = haft_branch_certify(t, t->next.u);

@@ -14,9 +14,7 @@
 
 enum { FLOW_STEPS = 100000, STAGES = 4, NOT_FINITE_LIMIT = 100 };
 
-/* How far along the null vector the flow starts; how small Newton's step must be to finish; how
- * small the flow's own step before that is tried. */
-#define DEPARTURE 0.01
+/* How small Newton's step must be to finish; how small the flow's own step before that is tried. */
 #define ARRIVAL 0.05
 #define SETTLING 0.2
 
@@ -31,21 +29,6 @@ enum { FLOW_STEPS = 100000, STAGES = 4, NOT_FINITE_LIMIT = 100 };
 static const double STAGE[STAGES][STAGES] = {{0}, {0}, {2}, {2, 0, 1}};
 static const double COUPLING[STAGES][STAGES] = {{0}, {4}, {1, -1}, {1, -1, -8.0 / 3}};
 static const bool NEW_STATE[STAGES] = {false, false, true, true};
-
-/* y += factor * M x */
-static void add_mass_product(const haft_tracker *t, double factor, const double *x, double *y) {
-    const haft_model *m = t->model;
-    for (size_t j = 0; j < t->n; j++) {
-        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-            y[m->row[k]] += factor * m->mass[k] * x[j];
-        }
-    }
-}
-
-static double potential(const haft_tracker *t, const haft_state *state) {
-    return state->energy.strain + state->energy.contact -
-           state->load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, state->u);
-}
 
 static bool factor_damped(haft_tracker *t, double dt) {
     for (size_t k = 0; k < t->model->nonzeros; k++) {
@@ -83,7 +66,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
         for (size_t k = 0; k < t->n; k++) {
             t->stage[i][k] = -t->gradient[k];
         }
-        add_mass_product(t, 1 / dt, sum, t->stage[i]);
+        haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
         haft_factor_solve(t->factor, t->stage[i], 1);
     }
     for (size_t k = 0; k < t->n; k++) { /* the last stage's state is the embedded result */
@@ -127,7 +110,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
 static double departure_rate(haft_tracker *t, const double *v) {
     double *mv = t->scratch[3], down = 0, weight = 0;
     memset(mv, 0, t->n * sizeof *mv);
-    add_mass_product(t, 1, v, mv);
+    haft_tracker_add_mass(t, 1, v, mv);
     for (size_t i = 0; i < t->n; i++) {
         down -= t->gradient[i] * v[i];
         weight += v[i] * mv[i];
@@ -139,7 +122,7 @@ static double departure_rate(haft_tracker *t, const double *v) {
  */
 static double depart(haft_tracker *t, haft_state *from, const double *away) {
     double *v = t->scratch[2];
-    double amplitude = DEPARTURE / haft_tracker_move(t, t->here.u, away, NULL);
+    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.u, away, NULL);
     for (size_t i = 0; i < t->n; i++) {
         v[i] = amplitude * away[i];
         from->u[i] = t->here.u[i] + v[i];
@@ -174,8 +157,8 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     if (!haft_tracker_evaluate(t, to->u, to->load, &to->energy, NULL)) {
         return INFINITY;
     }
-    double before = potential(t, from);
-    return potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
+    double before = haft_tracker_potential(t, from);
+    return haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
 }
 
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {

@@ -2,12 +2,16 @@
 /* Jumps: from where a branch ends to where the gradient flow leads, at constant load.
  *
  * Most branches end in a simple fold. Two other ends are told apart and left by a fixed rule, so
- * that the answer is one and the same on every machine: bifurcation    an eigenvalue vanishes
- * though the load does not turn (a pitchfork of two sites alike, say). The state just beyond is
- * left along its null vector, to the side where the energy is lower; if neither is, to the side
- * where the first of the gaps that move most closes in loading and opens in unloading. crowded fold
- * several eigenvalues vanish at once (sites alike and apart). The branch is left in the direction
- * in which it was moving, which holds all the null vectors in the shares the load gives them. */
+ * that the answer is one and the same on every machine.
+ *
+ * Bifurcation: an eigenvalue vanishes though the load does not turn (a pitchfork of two sites
+ * alike, say). The state just beyond is left along its null vector, to the side where the energy is
+ * lower; if neither is, to the side where the first of the gaps that move most closes in loading
+ * and opens in unloading.
+ *
+ * Crowded fold: several eigenvalues vanish at once (sites alike and apart). The branch is left in
+ * the direction in which it was moving, which holds all the null vectors in the shares the load
+ * gives them. */
 #include "walker.h"
 
 #include <math.h>
@@ -86,9 +90,9 @@ static double energy_beside(haft_tracker *t, double amplitude) {
     for (size_t i = 0; i < t->n; i++) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }
-    haft_energy e = haft_model_evaluate(t->model, t->laws, t->spare.u, 0, NULL, NULL, NULL);
-    return e.strain + e.contact -
-           t->here.load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, t->spare.u);
+    t->spare.load = t->here.load;
+    t->spare.energy = haft_model_evaluate(t->model, t->laws, t->spare.u, 0, NULL, NULL, NULL);
+    return haft_tracker_potential(t, &t->spare);
 }
 
 /* The sign by which the first of the gaps that move most closes in loading, opens in unloading. */
@@ -114,11 +118,10 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
         haft_branch_least_eigenvalue(t);
     }
     memcpy(t->null, t->mode, t->n * sizeof(double));
-    double amplitude = 0.01 / haft_tracker_move(t, t->here.u, t->null, NULL);
+    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.u, t->null, NULL);
     double forth = energy_beside(t, amplitude), back = energy_beside(t, -amplitude);
-    double rounding = 8 * t->here.energy.rounding +
-                      0x1p-46 * (fabs(t->here.energy.strain) + fabs(t->here.energy.contact));
-    double alike = rounding + 1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
+    double alike = haft_tracker_rounding(&t->here, &t->here) +
+                   1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
     int sign = fabs(forth - back) <= alike ? conventional_sign(w) : forth < back ? 1 : -1;
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] *= sign;
@@ -134,7 +137,7 @@ haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] = step->sign * t->start.u1[i];
     }
-    double amplitude = 0.01 / haft_tracker_move(t, t->here.u, t->null, NULL);
+    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.u, t->null, NULL);
     if (!(energy_beside(t, amplitude) < energy_beside(t, 0))) {
         return HAFT_OUTCOME_STEP_STALLED; /* the branch does not end here: the step failed */
     }

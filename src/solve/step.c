@@ -100,7 +100,8 @@ static void accept(haft_walker *w, const haft_step *step) {
     w->t->cost.steps++;
     haft_walker_book(w, step->work, 0);
     haft_walker_record(w, -1);
-    double used = fmax(fabs(step->defect) / step->allowed, pow(step->moved / 0.05, 2));
+    double used =
+        fmax(fabs(step->defect) / step->allowed, pow(step->moved / HAFT_CORRECTION_LIMIT, 2));
     double factor = 0.85 * pow(fmax(used, 1e-6), -1.0 / 6);
     w->eta = fmin(w->t->options.gap_step, w->eta * fmin(2, fmax(0.3, factor)));
 }

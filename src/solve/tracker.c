@@ -40,6 +40,26 @@ void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double f
     }
 }
 
+void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y) {
+    const haft_model *m = t->model;
+    for (size_t j = 0; j < t->n; j++) {
+        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
+            y[m->row[k]] += factor * m->mass[k] * x[j];
+        }
+    }
+}
+
+double haft_tracker_potential(const haft_tracker *t, const haft_state *state) {
+    return state->energy.strain + state->energy.contact -
+           state->load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, state->u);
+}
+
+double haft_tracker_rounding(const haft_state *a, const haft_state *b) {
+    double size = fabs(a->energy.strain) + fabs(a->energy.contact) + fabs(b->energy.strain) +
+                  fabs(b->energy.contact);
+    return 0x1p-47 * size + 4 * (a->energy.rounding + b->energy.rounding);
+}
+
 double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state) {
     return control.site == NULL ? state->load : haft_tracker_row(t, control.site, state->u);
 }

@@ -31,6 +31,11 @@ typedef struct haft_control {
     size_t index; /* of the site */
 } haft_control;
 
+/* What the corrector may move a gap by, and how far off its end a branch is left, in the lengths
+ * over which the gap's force changes. */
+#define HAFT_CORRECTION_LIMIT 0.05
+#define HAFT_DEPARTURE_MOVE 0.01
+
 typedef struct haft_corrector haft_corrector;
 
 typedef struct haft_tracker {
@@ -72,6 +77,16 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 
 /* The gradient alone; the Hessian at hand stays. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load);
+
+/* y += factor * M x */
+void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y);
+
+/* Pi of an evaluated state at its own load [J]. */
+double haft_tracker_potential(const haft_tracker *t, const haft_state *state);
+
+/* Rounding in the difference of two states' energies [J]: a few units in the last place of their
+ * parts, and what rounding of the states makes of them. */
+double haft_tracker_rounding(const haft_state *a, const haft_state *b);
 
 /* The control's value in a state. */
 double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state);
