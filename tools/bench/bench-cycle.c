@@ -7,6 +7,8 @@
  *
  * The laws are those of the case's out/laws.h5 if it is there, else random Morse laws (and always
  * with -m); -s leaves out the study of error. */
+#include "bench.h"
+
 #include "haft/study.h"
 
 #include <klu.h>
@@ -25,29 +27,6 @@ typedef struct bench {
     haft_site_laws *beam[BEAM_LIMIT];
     int beams, rounds;
 } bench;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *x, int n) {
-    qsort(x, (size_t)n, sizeof *x, compare);
-    return 0.5 * (x[n / 2] + x[(n - 1) / 2]);
-}
-
-static void must(haft_status status, const haft_error *error) {
-    if (status != HAFT_OK) {
-        fprintf(stderr, "bench-cycle: %s\n", error->message);
-        exit(1);
-    }
-}
 
 /* ---- laws ---- */
 

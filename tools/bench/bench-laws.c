@@ -8,6 +8,8 @@
  * -p shortens the beam, -s leaves out the study of error. Each build and each floor runs in a
  * process of its own, so that its peak memory is its own; the floor runs half before and half after
  * the build, so that a machine that slows down slows both. */
+#include "bench.h"
+
 #include "haft/study.h"
 
 #include <fftw3.h>
@@ -36,22 +38,6 @@ typedef struct sample {
 typedef struct breakdown {
     double plan, noise, prepare, rows, islands, summits, characterise, above;
 } breakdown;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *x, int n) {
-    qsort(x, (size_t)n, sizeof *x, compare);
-    return 0.5 * (x[n / 2] + x[(n - 1) / 2]);
-}
 
 static size_t sites_of(const haft_case *c) {
     return (size_t)llround(c->beam.length / c->mesh.l_meso);
@@ -202,13 +188,6 @@ typedef struct bench {
     size_t n;
     double *z, *distance, *force, *contact_area, *wet_area, *asperities;
 } bench;
-
-static void must(haft_status status, const haft_error *error) {
-    if (status != HAFT_OK) {
-        fprintf(stderr, "bench-laws: %s\n", error->message);
-        exit(1);
-    }
-}
 
 static void make_bench(bench *b, const haft_case *c, haft_error *error) {
     size_t points = rows_of(c) * columns_of(c);

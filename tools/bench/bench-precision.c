@@ -15,6 +15,8 @@
  *     loss    of the total dissipation, over the total dissipation.
  *
  * The time is the median over beams of the best of the rounds, one thread. */
+#include "bench.h"
+
 #include "haft/study.h"
 
 #include <math.h>
@@ -47,24 +49,6 @@ typedef struct score {
     double jumps, steps, flow;
     int differ; /* beams with another number of jumps */
 } score;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void must(haft_status status, const haft_error *error) {
-    if (status != HAFT_OK) {
-        fprintf(stderr, "bench-precision: %s\n", error->message);
-        exit(1);
-    }
-}
 
 /* ---- laws ---- */
 

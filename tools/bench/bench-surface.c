@@ -4,6 +4,8 @@
  *
  *     bench-surface [PSD 1 or 2] [tolerance] [rows in a block] [repetitions]
  */
+#include "bench.h"
+
 #include "haft/surface.h"
 
 #include <fftw3.h>
@@ -11,12 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static double least(double a, double b) {
     return a < b ? a : b;
