@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FLOW_STEPS = 100000, STAGES = 4, NOT_FINITE_LIMIT = 100 };
+enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
 
 /* How small Newton's step must be to finish; how small the flow's own step before that is tried. */
 #define ARRIVAL 0.05
@@ -23,12 +23,20 @@ enum { FLOW_STEPS = 100000, STAGES = 4, NOT_FINITE_LIMIT = 100 };
 #define SHRINKAGE 0.25
 #define MARGIN 0.8
 
-/* RODAS3 in the form that needs no products with H: stage i solves
- * (M/(gamma dt) + H) k_i = -grad Pi(u + sum_j a_ij k_j) + M sum_j c_ij k_j / dt. */
-#define GAMMA 0.5
-static const double STAGE[STAGES][STAGES] = {{0}, {0}, {2}, {2, 0, 1}};
-static const double COUPLING[STAGES][STAGES] = {{0}, {4}, {1, -1}, {1, -1, -8.0 / 3}};
-static const bool NEW_STATE[STAGES] = {false, false, true, true};
+/* ROS3 in the form that needs no products with H: stage i solves
+ * (M/(gamma dt) + H) k_i = -grad Pi(u + sum_j a_ij k_j) + M sum_j c_ij k_j / dt; the result is
+ * u + sum_i m_i k_i, its embedded error sum_i e_i k_i. */
+#define GAMMA 0.43586652150845899941601945119356
+static const double STAGE[STAGES][STAGES] = {{0}, {1}, {1, 0}};
+static const double COUPLING[STAGES][STAGES] = {
+    {0},
+    {-1.0156171083877702091975600115545},
+    {4.0759956452537699824805835358067, 9.2076794298330791242156818474003}};
+static const bool NEW_STATE[STAGES] = {false, true, false};
+static const double RESULT[STAGES] = {1, 6.1697947043828245592553615689730,
+                                      -0.42772256543218573326238373806514};
+static const double DEFECT[STAGES] = {0.5, -2.9079558716805469821718236208017,
+                                      0.22354069897811569627360909276199};
 
 static bool factor_damped(haft_tracker *t, double dt) {
     for (size_t k = 0; k < t->model->nonzeros; k++) {
@@ -69,15 +77,23 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
         haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
         haft_factor_solve(t->factor, t->stage[i], 1);
     }
-    for (size_t k = 0; k < t->n; k++) { /* the last stage's state is the embedded result */
-        to->u[k] += t->stage[3][k];
+    for (size_t k = 0; k < t->n; k++) {
+        double step = 0, defect = 0;
+        for (int i = 0; i < STAGES; i++) {
+            step += RESULT[i] * t->stage[i][k];
+            defect += DEFECT[i] * t->stage[i][k];
+        }
+        to->u[k] = from->u[k] + step;
+        sum[k] = defect;
     }
     return true;
 }
 
-/* Whether `state`, evaluated last, is stable and Newton would move it little. */
+/* Whether the state evaluated last is stable and Newton would move it little. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
-    if (haft_branch_certify(t, state->u).negative != 0) {
+    t->cost.factorizations++;
+    if (!haft_factor_update(t->factor, t->hessian) ||
+        haft_factor_inertia(t->factor).negative != 0) {
         return false;
     }
     double *step = t->scratch[1];
@@ -148,7 +164,7 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     if (!rosenbrock_step(t, from, to, dt)) {
         return INFINITY;
     }
-    double error = haft_tracker_move(t, from->u, t->stage[STAGES - 1], NULL);
+    double error = haft_tracker_move(t, from->u, t->scratch[0], NULL);
     double *moved = t->scratch[3];
     for (size_t i = 0; i < t->n; i++) {
         moved[i] = to->u[i] - from->u[i];
@@ -168,6 +184,7 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         return HAFT_OUTCOME_NOT_FINITE;
     }
     to->load = from->load;
+    double speed = INFINITY; /* of the gaps, in lengths a unit of time */
     for (*steps = 0; *steps < FLOW_STEPS;) {
         double move = 0;
         double error = try_step(t, from, to, dt, &move);
@@ -187,7 +204,9 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         (*steps)++;
         t->cost.flow_steps++;
         swap(from, to);
-        if (move < SETTLING && is_arriving(t, from)) {
+        bool slows = move / before < speed;
+        speed = move / before;
+        if (slows && move < SETTLING && is_arriving(t, from)) {
             if (arrive(t, from, to)) {
                 memcpy(t->here.u, to->u, t->n * sizeof(double));
                 t->here.energy = to->energy;
