@@ -107,7 +107,7 @@ static inline double farthest_gap(const haft_model *m, const double *u, const do
 
 /* Follows a random beam and compares each of its landings; @return how many there were. */
 static inline size_t check_landings(uint64_t seed, double *worst) {
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};
     random_beam b = random_beam_create(seed, mesh);
     oracle o = make_oracle(b.model, b.law);
     size_t n = b.model->dofs, jumps = 0;

@@ -38,6 +38,8 @@ double haft_beam_equilibrium_crack(const haft_beam_spec *beam, double energy);
 typedef enum haft_mesh_kind {
     HAFT_MESH_UNIFORM, /**< every element_length: several sites share an element */
     HAFT_MESH_EXACT,   /**< at every site and at the load: exact, since the beam is cubic between */
+    HAFT_MESH_ACTIVE, /**< exact from `active_from` on, one element over the span before (two, where
+                           the load is on it); sites on that span are left out of the contact */
 } haft_mesh_kind;
 
 typedef struct haft_mesh_spec {
@@ -45,6 +47,7 @@ typedef struct haft_mesh_spec {
     double element_length; /**< [m]; for HAFT_MESH_UNIFORM: divides the length */
     double l_meso;         /**< length of a patch, one site in the middle of each [m] */
     double load_position;  /**< x_P [m], 0 < x_P <= length */
+    double active_from;    /**< [m], < length; for HAFT_MESH_ACTIVE */
 } haft_mesh_spec;
 
 /** Unknowns an element, a site or the load touches at most. */
@@ -59,12 +62,13 @@ typedef struct haft_element {
     double mass[10];           /**< upper triangle of the consistent mass, row by row, scaled */
 } haft_element;
 
-/** A contact site: gap d = gap - sum shape[k] u[dof[k]]. */
+/** A contact site: gap d = gap - sum shape[k] u[dof[k]] over its `terms`. */
 typedef struct haft_site {
     double x;    /**< position [m] */
     double area; /**< A_r [m^2] */
     int dof[HAFT_SPAN];
     double shape[HAFT_SPAN]; /**< [m] a unit of each unknown */
+    int terms; /**< set by haft_model_create(), which puts those that count in front */
 } haft_site;
 
 /** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
@@ -79,6 +83,7 @@ typedef struct haft_model {
     size_t elements;
     haft_element *element;
     size_t sites;
+    size_t inert;    /**< how many of the first take no part: they are to stay out of reach */
     haft_site *site; /**< in order of x */
     haft_site load;  /**< where the load acts; its area is unused */
     size_t nodes;    /**< 0 for a structure that is no beam */
@@ -106,6 +111,7 @@ typedef struct haft_model_parts {
     size_t elements;
     const haft_element *element;
     size_t sites;
+    size_t inert; /**< sites, from the first, that take no part in the contact */
     const haft_site *site;
     haft_site load;
 } haft_model_parts;
@@ -127,7 +133,7 @@ double haft_model_displacement(const haft_site *site, const double *u);
 void haft_model_gaps(const haft_model *model, const double *u, double *d);
 
 /** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy and
- *  the Hessian in the model's pattern. A site without attraction or push in reach costs one law.
+ *  the Hessian in the model's pattern. Inert sites are passed over.
  *  @param[in] laws one a site
  *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
  *  rounding error is measured against. Thread-safe. */

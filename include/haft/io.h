@@ -91,7 +91,8 @@ typedef struct haft_case {
  *
  *  Absent: path, output, reference and load.limit take their defaults (load_limit INFINITY, the
  *  reference NaN); contact.capillary means dry contact (has_capillary false, its fields 0);
- *  beam.element_length is required for a uniform mesh alone (else 0).
+ *  beam.element_length is required for a uniform mesh alone (else 0). mesh.active_from is half of
+ *  load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);

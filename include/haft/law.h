@@ -108,6 +108,11 @@ haft_law haft_law_from_table(const haft_law_table *table);
  * m (the potential of the wall grows by d^2). Thread-safe. */
 haft_law_value haft_law_evaluate(const haft_law *law, double d);
 
+/** Force, slope and potential of n laws, law i at gap d[i]: the same bits as haft_law_evaluate(),
+ * in less time. Thread-safe. */
+void haft_law_evaluate_many(const haft_law *law, size_t n, const double *d, double *force,
+                            double *slope, double *potential);
+
 /** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the
  *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
 double haft_law_reach(const haft_law *law, double share);

@@ -26,7 +26,7 @@ typedef struct haft_path_options {
     double ledger_tolerance;   /**< largest gap between energy and work of a step, relative to the
                                     step's work; 1e-10 */
     double residual_tolerance; /**< of the equilibrium, relative to the largest force; 1e-11 */
-    double flow_step;          /**< error of a flow step, in ranges of the laws; 0.02 */
+    double flow_step;          /**< error of a flow step, in ranges of the laws; 0.1 */
     size_t step_limit;         /**< accepted steps and flow steps together; 200000 */
     bool keep_states;          /**< keep u at every accepted step */
 } haft_path_options;
@@ -39,6 +39,8 @@ typedef enum haft_outcome {
     HAFT_OUTCOME_FLOW_STALLED, /**< a landing did not come to rest */
     HAFT_OUTCOME_STEP_LIMIT,   /**< more steps than allowed */
     HAFT_OUTCOME_NOT_FINITE,   /**< a law gave a value that is not finite */
+    HAFT_OUTCOME_ZONE_LEFT,    /**< a site that was left out came into reach: an active mesh began
+                                    too late, and the exact one is called for */
     HAFT_OUTCOMES              /**< how many there are */
 } haft_outcome;
 const char *haft_outcome_name(haft_outcome outcome);

@@ -6,12 +6,13 @@
 #include <math.h>
 #include <string.h>
 
+/* Sites whose laws are evaluated together. */
+enum { BLOCK = 64 };
+
 double haft_model_displacement(const haft_site *site, const double *u) {
     double w = 0;
-    for (int k = 0; k < HAFT_SPAN; k++) {
-        if (site->dof[k] >= 0) {
-            w += site->shape[k] * u[site->dof[k]];
-        }
+    for (int k = 0; k < site->terms; k++) {
+        w += site->shape[k] * u[site->dof[k]];
     }
     return w;
 }
@@ -30,35 +31,59 @@ static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-/* Strain energy of an element; its forces go into the gradient, and how much the energy moves when
- * each unknown is rounded into `rounding`, in units of 2^-53. */
-static double element_energy(const haft_element *element, const double *u, double *gradient,
-                             double *largest, double *rounding) {
-    double v[HAFT_SPAN];
-    for (int k = 0; k < HAFT_SPAN; k++) {
-        v[k] = element->dof[k] < 0 ? 0 : u[element->dof[k]];
-    }
+/* Forces of an element on its four unknowns at their values v; @return its strain energy. */
+static inline double element_forces(const haft_element *element, const double v[HAFT_SPAN],
+                                    double force[HAFT_SPAN]) {
     double q0 = mode_amplitude(element->mode[0], v), q1 = mode_amplitude(element->mode[1], v);
     const double *d = element->stiffness;
     double m0 = d[0] * q0 + d[1] * q1, m1 = d[1] * q0 + d[2] * q1;
-    for (int k = 0; gradient != NULL && k < HAFT_SPAN; k++) {
-        if (element->dof[k] >= 0) {
-            double term = element->mode[0][k] * m0 + element->mode[1][k] * m1;
-            gradient[element->dof[k]] += term;
-            *largest = larger(*largest, fabs(term));
-            *rounding += fabs(term * v[k]);
-        }
+    for (int k = 0; k < HAFT_SPAN; k++) {
+        force[k] = element->mode[0][k] * m0 + element->mode[1][k] * m1;
     }
     return 0.5 * (q0 * m0 + q1 * m1);
 }
 
-static void add_load(const haft_site *site, double factor, double *gradient, double *largest) {
+static inline void element_values(const haft_element *element, const double *u,
+                                  double v[HAFT_SPAN]) {
     for (int k = 0; k < HAFT_SPAN; k++) {
-        if (site->dof[k] >= 0) {
-            double term = factor * site->shape[k];
-            gradient[site->dof[k]] += term;
-            *largest = larger(*largest, fabs(term));
+        v[k] = element->dof[k] < 0 ? 0 : u[element->dof[k]];
+    }
+}
+
+/* Strain energy of an element; its forces go into the gradient, and how much the energy moves when
+ * each unknown is rounded into `rounding`, in units of 2^-53. */
+static double element_energy(const haft_element *element, const double *u, double *gradient,
+                             double *largest, double *rounding) {
+    double v[HAFT_SPAN], force[HAFT_SPAN];
+    element_values(element, u, v);
+    double energy = element_forces(element, v, force);
+    for (int k = 0; gradient != NULL && k < HAFT_SPAN; k++) {
+        if (element->dof[k] >= 0) {
+            gradient[element->dof[k]] += force[k];
+            *largest = larger(*largest, fabs(force[k]));
+            *rounding += fabs(force[k] * v[k]);
         }
+    }
+    return energy;
+}
+
+/* The element's forces, linear in x, into y. */
+static inline void multiply_element(const haft_element *element, const double *x, double *y) {
+    double v[HAFT_SPAN], force[HAFT_SPAN];
+    element_values(element, x, v);
+    element_forces(element, v, force);
+    for (int k = 0; k < HAFT_SPAN; k++) {
+        if (element->dof[k] >= 0) {
+            y[element->dof[k]] += force[k];
+        }
+    }
+}
+
+static void add_load(const haft_site *site, double factor, double *gradient, double *largest) {
+    for (int k = 0; k < site->terms; k++) {
+        double term = factor * site->shape[k];
+        gradient[site->dof[k]] += term;
+        *largest = larger(*largest, fabs(term));
     }
 }
 
@@ -81,20 +106,17 @@ static inline void add_to_group(group *g, const haft_site *site, double force, d
     }
 }
 
-static void scatter_group(group *g, double *gradient, double *hessian) {
-    for (int i = 0; i < HAFT_SPAN && gradient != NULL; i++) {
-        if (g->first->dof[i] >= 0) {
-            gradient[g->first->dof[i]] += g->force[i];
-        }
+static void scatter_group(const group *g, double *gradient, double *hessian) {
+    int terms = g->first->terms;
+    for (int i = 0; i < terms && gradient != NULL; i++) {
+        gradient[g->first->dof[i]] += g->force[i];
     }
-    for (int i = 0, upper = 0; i < HAFT_SPAN && hessian != NULL; i++) {
-        for (int j = i; j < HAFT_SPAN; j++, upper++) {
-            int ij = g->slot[i * HAFT_SPAN + j];
-            if (ij >= 0) {
-                hessian[ij] += g->stiffness[upper];
-                hessian[i == j ? ij : g->slot[j * HAFT_SPAN + i]] +=
-                    i == j ? 0 : g->stiffness[upper];
-            }
+    for (int i = 0, upper = 0; i < terms && hessian != NULL; upper += HAFT_SPAN - i, i++) {
+        const int *slot = g->slot + i * HAFT_SPAN;
+        hessian[slot[i]] += g->stiffness[upper];
+        for (int j = i + 1; j < terms; j++) {
+            hessian[slot[j]] += g->stiffness[upper + j - i];
+            hessian[g->slot[j * HAFT_SPAN + i]] += g->stiffness[upper + j - i];
         }
     }
 }
@@ -103,33 +125,74 @@ static bool share_unknowns(const haft_site *a, const haft_site *b) {
     return memcmp(a->dof, b->dof, sizeof a->dof) == 0;
 }
 
-/* Contact of all sites: their energy [J], and their forces and stiffnesses into the sums. */
-static double add_contact(const haft_model *model, const haft_law *laws, const double *u,
-                          double *gradient, double *hessian, double *largest, double *rounding) {
-    double energy = 0;
+/* A site in a node: one unknown, one entry. */
+static inline void add_node_site(const haft_site *site, const int *slot, double force,
+                                 double stiffness, double *gradient, double *hessian) {
+    double shape = site->shape[0];
+    if (gradient != NULL) {
+        gradient[site->dof[0]] += force * shape;
+    }
+    if (hessian != NULL) {
+        hessian[slot[0]] += stiffness * shape * shape;
+    }
+}
+
+/* What the sites of one stretch give at their gaps d. */
+typedef struct stretch {
+    double d[BLOCK], force[BLOCK], slope[BLOCK], potential[BLOCK];
+} stretch;
+
+/* Forces and stiffnesses of n sites from `first` on into the sums. */
+static void add_stretch(const haft_model *model, size_t first, size_t n, const stretch *s,
+                        double *gradient, double *hessian, double *largest) {
     group g = {.first = NULL};
-    for (size_t r = 0; r < model->sites; r++) {
-        const haft_site *site = &model->site[r];
+    for (size_t i = 0; i < n; i++) {
+        const haft_site *site = &model->site[first + i];
+        if (s->force[i] == 0 && s->slope[i] == 0) {
+            continue;
+        }
+        const int *slot = model->site_slot + (first + i) * HAFT_SPAN * HAFT_SPAN;
+        double weight = site->area / model->energy_unit;
+        double force = weight * s->force[i], stiffness = -weight * s->slope[i];
+        for (int k = 0; k < site->terms; k++) {
+            *largest = larger(*largest, fabs(force * site->shape[k]));
+        }
+        if (site->terms == 1) {
+            add_node_site(site, slot, force, stiffness, gradient, hessian);
+            continue;
+        }
         if (g.first == NULL || !share_unknowns(g.first, site)) {
             if (g.any) {
                 scatter_group(&g, gradient, hessian);
             }
-            g = (group){.first = site, .slot = model->site_slot + r * HAFT_SPAN * HAFT_SPAN};
+            g = (group){.first = site, .slot = slot};
         }
-        haft_law_value f =
-            haft_law_evaluate(&laws[r], model->gap - haft_model_displacement(site, u));
-        energy += site->area * f.potential;
-        *rounding += site->area * fabs(f.force) * model->gap;
-        double weight = site->area / model->energy_unit;
-        if (f.force != 0 || f.slope != 0) {
-            add_to_group(&g, site, weight * f.force, -weight * f.slope);
-            for (int k = 0; k < HAFT_SPAN; k++) {
-                *largest = larger(*largest, fabs(weight * f.force * site->shape[k]));
-            }
-        }
+        add_to_group(&g, site, force, stiffness);
     }
     if (g.any) {
         scatter_group(&g, gradient, hessian);
+    }
+}
+
+/* Contact of all sites: their energy [J], and their forces and stiffnesses into the sums. */
+static double add_contact(const haft_model *model, const haft_law *laws, const double *u,
+                          double *gradient, double *hessian, double *largest, double *rounding) {
+    double energy = 0;
+    stretch s;
+    for (size_t first = model->inert; first < model->sites; first += BLOCK) {
+        size_t n = model->sites - first < BLOCK ? model->sites - first : BLOCK;
+        for (size_t i = 0; i < n; i++) {
+            s.d[i] = model->gap - haft_model_displacement(&model->site[first + i], u);
+        }
+        haft_law_evaluate_many(laws + first, n, s.d, s.force, s.slope, s.potential);
+        for (size_t i = 0; i < n; i++) {
+            double area = model->site[first + i].area;
+            energy += area * s.potential[i];
+            *rounding += area * fabs(s.force[i]) * model->gap;
+        }
+        if (gradient != NULL || hessian != NULL) {
+            add_stretch(model, first, n, &s, gradient, hessian, largest);
+        }
     }
     return energy;
 }
@@ -164,7 +227,7 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
 
 void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, const double *u,
                                double *site_stiffness) {
-    for (size_t r = 0; r < model->sites; r++) {
+    for (size_t r = model->inert; r < model->sites; r++) {
         const haft_site *site = &model->site[r];
         double d = model->gap - haft_model_displacement(site, u);
         site_stiffness[r] = -site->area / model->energy_unit * haft_law_evaluate(&laws[r], d).slope;
@@ -173,12 +236,12 @@ void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, co
 
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
                          double *y) {
-    double largest = 0, rounding = 0;
+    double largest = 0;
     memset(y, 0, model->dofs * sizeof *y);
     for (size_t e = 0; e < model->elements; e++) {
-        element_energy(&model->element[e], x, y, &largest, &rounding); /* quadratic: its gradient */
+        multiply_element(&model->element[e], x, y);
     }
-    for (size_t r = 0; r < model->sites; r++) {
+    for (size_t r = model->inert; r < model->sites; r++) {
         if (site_stiffness[r] != 0) {
             const haft_site *site = &model->site[r];
             add_load(site, site_stiffness[r] * haft_model_displacement(site, x), y, &largest);

@@ -46,6 +46,16 @@ static double site_position(double length, size_t sites, size_t r) {
     return length * ((double)r + 0.5) / (double)sites;
 }
 
+/* Sites that an active mesh leaves out. */
+static size_t count_inert(const haft_beam_spec *beam, const haft_mesh_spec *mesh, size_t sites) {
+    size_t r = 0;
+    while (mesh->kind == HAFT_MESH_ACTIVE && r < sites &&
+           site_position(beam->length, sites, r) < mesh->active_from) {
+        r++;
+    }
+    return r;
+}
+
 static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec *beam,
                                const haft_mesh_spec *mesh, size_t sites, haft_error *error) {
     size_t elements = 0;
@@ -57,6 +67,7 @@ static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec
         }
     }
     double *x = haft_memory_alloc(elements + sites + 3, sizeof *x, error);
+    size_t inert = count_inert(beam, mesh, sites);
     if (x == NULL) {
         return HAFT_ERROR_MEMORY;
     }
@@ -67,7 +78,7 @@ static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec
         }
     } else {
         x[n++] = 0;
-        for (size_t r = 0; r < sites; r++) {
+        for (size_t r = inert; r < sites; r++) {
             x[n++] = site_position(beam->length, sites, r);
         }
         x[n++] = beam->length;
@@ -205,6 +216,7 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
         .elements = nodes - 1,
         .element = parts->element,
         .sites = sites,
+        .inert = count_inert(beam, mesh, sites),
         .site = parts->site,
         .load = make_point(parts->x, nodes, parts->node_scale, mesh->load_position, beam->gap),
     };
@@ -231,6 +243,11 @@ haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "the load at %g m is off the beam; it must lie in (0, %g m]",
                               mesh->load_position, beam->length);
+    }
+    if (mesh->kind == HAFT_MESH_ACTIVE && !(mesh->active_from < beam->length)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "the active zone begins at %g m, off the beam of %g m",
+                              mesh->active_from, beam->length);
     }
     size_t sites = 0, nodes = 0;
     haft_status status = count_divisions(beam->length, mesh->l_meso, "l_meso", &sites, error);

@@ -33,7 +33,7 @@ static void add_all_pairs(const haft_model *model, int *start, int *list, int *n
     for (size_t e = 0; e < model->elements; e++) {
         add_pairs(model->element[e].dof, start, list, next);
     }
-    for (size_t r = 0; r < model->sites; r++) {
+    for (size_t r = model->inert; r < model->sites; r++) {
         add_pairs(model->site[r].dof, start, list, next);
     }
     for (size_t i = 0; i < model->dofs; i++) {
@@ -130,13 +130,31 @@ static void assemble_constants(haft_model *model) {
     }
 }
 
+/* Puts the terms that count in front: an unknown that is held, or has no part, costs nothing. */
+static void compact_site(haft_site *site) {
+    int terms = 0;
+    for (int k = 0; k < HAFT_SPAN; k++) {
+        if (site->dof[k] >= 0 && site->shape[k] != 0) {
+            site->dof[terms] = site->dof[k];
+            site->shape[terms++] = site->shape[k];
+        }
+    }
+    site->terms = terms;
+    for (int k = terms; k < HAFT_SPAN; k++) {
+        site->dof[k] = -1;
+        site->shape[k] = 0;
+    }
+}
+
 static haft_status copy_parts(haft_model *model, const haft_model_parts *parts, haft_error *error) {
     model->dofs = parts->dofs;
     model->energy_unit = parts->energy_unit;
     model->gap = parts->gap;
     model->elements = parts->elements;
     model->sites = parts->sites;
+    model->inert = parts->inert;
     model->load = parts->load;
+    compact_site(&model->load);
     model->scale = haft_memory_alloc(parts->dofs, sizeof *model->scale, error);
     model->element = haft_memory_alloc(parts->elements, sizeof *model->element, error);
     model->site = haft_memory_alloc(parts->sites, sizeof *model->site, error);
@@ -151,6 +169,9 @@ static haft_status copy_parts(haft_model *model, const haft_model_parts *parts, 
     }
     if (parts->sites > 0) {
         memcpy(model->site, parts->site, parts->sites * sizeof *model->site);
+    }
+    for (size_t r = 0; r < parts->sites; r++) {
+        compact_site(&model->site[r]);
     }
     return HAFT_OK;
 }
@@ -170,7 +191,7 @@ static haft_status fill_model(haft_model *model, haft_error *error) {
     for (size_t e = 0; e < model->elements; e++) {
         find_slots(model, model->element[e].dof, model->element_slot + e * ENTRIES);
     }
-    for (size_t r = 0; r < model->sites; r++) {
+    for (size_t r = model->inert; r < model->sites; r++) {
         find_slots(model, model->site[r].dof, model->site_slot + r * ENTRIES);
     }
     assemble_constants(model);
@@ -188,7 +209,7 @@ static bool dofs_in_range(const int dof[HAFT_SPAN], size_t dofs) {
 
 static haft_status check_parts(const haft_model_parts *parts, haft_error *error) {
     bool sound = parts->dofs > 0 && parts->dofs < 1u << 28 && parts->energy_unit > 0 &&
-                 dofs_in_range(parts->load.dof, parts->dofs);
+                 parts->inert <= parts->sites && dofs_in_range(parts->load.dof, parts->dofs);
     for (size_t e = 0; sound && e < parts->elements; e++) {
         sound = dofs_in_range(parts->element[e].dof, parts->dofs);
     }

@@ -304,6 +304,10 @@ static haft_status parse(haft_case_reader *reader, const haft_case_text *text, c
     return status;
 }
 
+/* An active mesh begins at this share of the crack asked for: a beam pressed down to that crack
+ * stands far above its substrate there, and the solver says so if it does not. */
+#define ACTIVE_SHARE 0.5
+
 static haft_status resolve(haft_case **out, const haft_case_text *text, const char *path,
                            haft_error *error) {
     haft_status status = HAFT_ERROR_MEMORY;
@@ -319,6 +323,7 @@ static haft_status resolve(haft_case **out, const haft_case_text *text, const ch
         reader->units = units;
         reader->error = error;
         status = parse(reader, text, path, error);
+        c->mesh.active_from = ACTIVE_SHARE * c->programme.crack_length;
     }
     haft_units_destroy(&units);
     if (reader != NULL) {

@@ -15,7 +15,7 @@ static const char *const asperities[] = {"summits", "islands", NULL};
 static const char *const kinds[] = {"morse", "table", NULL};
 static const char *const unfits[] = {"table", "stop", NULL};
 static const char *const samplers[] = {"explicit", "patches", NULL};
-static const char *const meshes[] = {"uniform", "exact", NULL};
+static const char *const meshes[] = {"uniform", "exact", "active", NULL};
 
 /* A choice is stored through an int, and a pair as two doubles in a row. */
 _Static_assert(sizeof(haft_asperity_model) == sizeof(int), "enums are ints");
@@ -27,7 +27,8 @@ _Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order 
 _Static_assert(HAFT_LAW_MORSE == 0 && HAFT_LAW_TABLE == 1, "order of choices");
 _Static_assert(HAFT_UNFIT_TABLE == 0 && HAFT_UNFIT_STOP == 1, "order of choices");
 _Static_assert(HAFT_SAMPLER_EXPLICIT == 0 && HAFT_SAMPLER_PATCHES == 1, "order of choices");
-_Static_assert(HAFT_MESH_UNIFORM == 0 && HAFT_MESH_EXACT == 1, "order of choices");
+_Static_assert(HAFT_MESH_UNIFORM == 0 && HAFT_MESH_EXACT == 1 && HAFT_MESH_ACTIVE == 2,
+               "order of choices");
 _Static_assert(offsetof(haft_capillary_spec, contact_angle_2) ==
                    offsetof(haft_capillary_spec, contact_angle_1) + sizeof(double),
                "the angles are neighbours");
@@ -136,7 +137,7 @@ const haft_key haft_case_keys[] = {
          .offset = AT(path.ledger_tolerance)),
     REAL("path.residual_tolerance", "1", SHARE, .fallback = "1e-11", .example = "1e-11",
          .offset = AT(path.residual_tolerance)),
-    REAL("path.flow_step", "1", SHARE, .fallback = "0.02", .example = "0.02",
+    REAL("path.flow_step", "1", SHARE, .fallback = "0.1", .example = "0.1",
          .offset = AT(path.flow_step)),
     COUNT("path.step_limit", .low = 1, .high = 1e12, .fallback = "200000", .example = "200000",
           .offset = AT(path.step_limit)),

@@ -23,8 +23,8 @@
  * refined: elements below about a two-hundredth of the length. */
 #define LOST_DIGITS 1e-9
 
-/* Steps of iterative refinement at most. */
-enum { REFINEMENTS = 6 };
+/* Steps of iterative refinement, and of inverse iteration, at most. */
+enum { REFINEMENTS = 6, EIGEN_SWEEPS = 3 };
 
 /* Side step, in ranges, at which a law's curvature is read beside a kink. */
 #define KINK_OFFSET 1e-7
@@ -32,7 +32,7 @@ enum { REFINEMENTS = 6 };
 static double greatest(const double *v, size_t n) {
     double most = 0;
     for (size_t i = 0; i < n; i++) {
-        most = fmax(most, fabs(v[i]));
+        most = fabs(v[i]) > most ? fabs(v[i]) : most;
     }
     return most;
 }
@@ -55,12 +55,13 @@ static double refine(haft_tracker *t, const double *b, double *x) {
 
 /* Solves H x = b, b in x on entry, H certified. */
 static void solve_refined(haft_tracker *t, double *x) {
-    double *b = t->scratch[0], last = INFINITY;
+    double *b = t->scratch[0], last = INFINITY, rate = 0;
     memcpy(b, x, t->n * sizeof *b);
     haft_factor_solve(t->factor, x, 1);
     for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
         double change = refine(t, b, x);
-        if (!(change < 0.5 * last) || change < 1e-13) {
+        rate = i == 0 ? change : rate; /* the first change is what each step leaves of the error */
+        if (!(change < 0.5 * last) || rate * change < 1e-16) {
             return;
         }
         last = change;
@@ -96,7 +97,7 @@ static void second_derivatives(haft_tracker *t, const haft_state *state, haft_co
                                int side, double rate, haft_branch *out) {
     double gap = t->model->gap;
     memset(out->u2, 0, t->n * sizeof *out->u2);
-    for (size_t r = 0; r < t->model->sites; r++) {
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
         const haft_site *site = &t->model->site[r];
         double motion = haft_model_displacement(site, out->u1);
         double d = gap - haft_model_displacement(site, state->u);
@@ -173,7 +174,9 @@ double haft_branch_work(const haft_tracker *t, double dtau) {
 
 double haft_branch_least_eigenvalue(haft_tracker *t) {
     double *x = t->mode, *y = t->scratch[0], lambda = 0;
-    for (int sweep = 0; sweep < 3; sweep++) {
+    double last = NAN;
+    for (int sweep = 0; sweep < EIGEN_SWEEPS && !(fabs(lambda - last) < 1e-3 * lambda); sweep++) {
+        last = lambda;
         memset(y, 0, t->n * sizeof *y);
         haft_tracker_add_mass(t, 1, x, y);
         double before = 0, after = 0;

@@ -6,7 +6,8 @@
  * with a linear solver of our own: SUNDIALS' KLU module analyses the pattern anew in each KINSol
  * call, pivots where symmetry should be kept, and knows no border. Ours adds kappa c c' (c the
  * control's row) to H, which changes nothing where the constraint holds but keeps the matrix
- * definite through a simple fold, and eliminates the border with two solves. */
+ * definite through a simple fold, and eliminates the border with two solves. The matrix that KINSOL
+ * is given is a name for the tracker's own Hessian, so that nothing is copied. */
 #include "tracker.h"
 
 #include <kinsol/kinsol.h>
@@ -14,8 +15,8 @@
 #include <nvector/nvector_serial.h>
 #include <string.h>
 #include <sundials/sundials_config.h>
-#include <sunlinsol/sunlinsol_klu.h>
-#include <sunmatrix/sunmatrix_sparse.h>
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
 
 enum { NEWTON_LIMIT = 12 };
 
@@ -57,17 +58,19 @@ static int residual(N_Vector y, N_Vector f, void *user) {
     return 0;
 }
 
-/* The residual was evaluated at the same y just before: its Hessian is at hand. */
+/* The residual was evaluated at the same y just before: its Hessian is at hand in the tracker. */
 static int jacobian(N_Vector y, N_Vector f, SUNMatrix matrix, void *user, N_Vector a, N_Vector b) {
-    (void)y, (void)f, (void)a, (void)b;
-    const haft_tracker *t = ((const haft_corrector *)user)->tracker;
-    for (size_t j = 0; j <= t->n; j++) {
-        SM_INDEXPTRS_S(matrix)[j] = t->model->column[j];
-    }
-    for (size_t k = 0; k < t->model->nonzeros; k++) {
-        SM_INDEXVALS_S(matrix)[k] = t->model->row[k];
-    }
-    memcpy(SM_DATA_S(matrix), t->hessian, t->model->nonzeros * sizeof(double));
+    (void)y, (void)f, (void)matrix, (void)user, (void)a, (void)b;
+    return 0;
+}
+
+static SUNMatrix_ID matrix_kind(SUNMatrix matrix) {
+    (void)matrix;
+    return SUNMATRIX_CUSTOM;
+}
+
+static int matrix_zero(SUNMatrix matrix) {
+    (void)matrix;
     return 0;
 }
 
@@ -82,18 +85,17 @@ static int solver_initialize(SUNLinearSolver solver) {
 }
 
 static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
+    (void)matrix;
     haft_corrector *c = solver->content;
     haft_tracker *t = c->tracker;
-    memcpy(t->matrix, SM_DATA_S(matrix), t->model->nonzeros * sizeof(double));
+    memcpy(t->matrix, t->hessian, t->model->nonzeros * sizeof(double));
     if (c->control.site != NULL) {
         const int *slot = t->model->site_slot + c->control.index * HAFT_SPAN * HAFT_SPAN;
         const double *shape = c->control.site->shape;
         double factor = c->kappa / (t->model->gap * t->model->gap);
-        for (int i = 0; i < HAFT_SPAN; i++) {
-            for (int j = 0; j < HAFT_SPAN; j++) {
-                if (slot[i * HAFT_SPAN + j] >= 0) {
-                    t->matrix[slot[i * HAFT_SPAN + j]] += factor * shape[i] * shape[j];
-                }
+        for (int i = 0; i < c->control.site->terms; i++) {
+            for (int j = 0; j < c->control.site->terms; j++) {
+                t->matrix[slot[i * HAFT_SPAN + j]] += factor * shape[i] * shape[j];
             }
         }
     }
@@ -108,7 +110,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     haft_tracker *t = c->tracker;
     const double *rhs = N_VGetArrayPointer(b);
     double *out = N_VGetArrayPointer(x);
-    double *y = t->scratch[0], s = rhs[t->n];
+    double *y = t->pair, s = rhs[t->n];
     memcpy(y, rhs, t->n * sizeof *y);
     if (c->control.site == NULL) {
         haft_tracker_add_row(t, &t->model->load, s, y);
@@ -117,12 +119,11 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
         out[t->n] = s;
         return 0;
     }
-    double *z = t->scratch[1];
+    double *z = t->pair + t->n;
     memset(z, 0, t->n * sizeof *z);
     haft_tracker_add_row(t, c->control.site, c->kappa * s, y);
     haft_tracker_add_row(t, &t->model->load, 1, z);
-    haft_factor_solve(t->factor, y, 1);
-    haft_factor_solve(t->factor, z, 1);
+    haft_factor_solve(t->factor, t->pair, 2);
     double d_load =
         (s - haft_tracker_row(t, c->control.site, y)) / haft_tracker_row(t, c->control.site, z);
     if (!isfinite(d_load)) {
@@ -166,18 +167,19 @@ static bool make_context(haft_corrector *c) {
 }
 
 static bool make_vectors(haft_corrector *c) {
-    sunindextype n = (sunindextype)c->tracker->n,
-                 nonzeros = (sunindextype)c->tracker->model->nonzeros;
+    sunindextype n = (sunindextype)c->tracker->n;
     c->y = N_VNew_Serial(n + 1, c->context);
     c->y_scale = N_VNew_Serial(n + 1, c->context);
     c->f_scale = N_VNew_Serial(n + 1, c->context);
-    c->matrix = SUNSparseMatrix(n, n, nonzeros, CSC_MAT, c->context);
+    c->matrix = SUNMatNewEmpty(c->context);
     c->solver = SUNLinSolNewEmpty(c->context);
     c->kinsol = KINCreate(c->context);
     if (!c->y || !c->y_scale || !c->f_scale || !c->matrix || !c->solver || !c->kinsol) {
         return false;
     }
     N_VConst(1.0, c->y_scale);
+    c->matrix->ops->getid = matrix_kind;
+    c->matrix->ops->zero = matrix_zero;
     c->solver->content = c;
     c->solver->ops->gettype = solver_type;
     c->solver->ops->initialize = solver_initialize;

@@ -2,11 +2,11 @@
 /* Landing a jump: at the load of the fold, overdamped motion M u' = -grad Pi carries the structure
  * down its energy to rest.
  *
- * Integrated by RODAS3, a Rosenbrock method of order 3(2), L-stable, with one factorization a step
- * (Sandu et al. 1997), M/(gamma dt) + H positive definite at every step and the energy falling over
- * it. The step size follows the embedded error, measured where it matters: in the gaps, by the
- * lengths over which the forces change. Once the state is stable and Newton's step to equilibrium
- * is small by that measure, KINSOL finishes. */
+ * Integrated by ROS3, a Rosenbrock method of order 3(2), L-stable, with one factorization and two
+ * laws a step (Sandu et al. 1997), M/(gamma dt) + H positive definite at every step and the energy
+ * falling over it. The step size follows the embedded error, measured where it matters: in the
+ * gaps, by the lengths over which the forces change. Once the state is stable and Newton's step to
+ * equilibrium is small by that measure, KINSOL finishes. */
 #include "tracker.h"
 
 #include <math.h>
@@ -17,6 +17,10 @@ enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
 /* How small Newton's step must be to finish; how small the flow's own step before that is tried. */
 #define ARRIVAL 0.05
 #define SETTLING 0.2
+
+/* A step's error may be this share of the way come from the fold: what the flow departs with must
+ * not be lost in it, or it could end on the side it came from. */
+#define ERROR_SHARE 0.1
 
 /* Bounds of a change of the step size, and its margin. */
 #define GROWTH 4.0
@@ -46,8 +50,20 @@ static bool factor_damped(haft_tracker *t, double dt) {
     return haft_factor_update(t->factor, t->matrix) && haft_factor_inertia(t->factor).negative == 0;
 }
 
-/* One step from `from`, whose gradient and Hessian are at hand, into `to`; the stages' increments
- * are left in t->stage. @return false if it must be shorter. */
+/* out = sum of the first `stages` increments, weighted. */
+static void combine(const haft_tracker *t, const double *weight, int stages, double *out) {
+    for (size_t k = 0; k < t->n; k++) {
+        out[k] = weight[0] * t->stage[0][k];
+    }
+    for (int i = 1; i < stages; i++) {
+        for (size_t k = 0; k < t->n; k++) {
+            out[k] += weight[i] * t->stage[i][k];
+        }
+    }
+}
+
+/* One step from `from`, whose gradient and Hessian are at hand, into `to`; its embedded error is
+ * left in t->scratch[0]. @return false if it must be shorter. */
 static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt) {
     if (!factor_damped(t, dt)) {
         return false;
@@ -55,37 +71,28 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
     double *sum = t->scratch[0];
     for (int i = 0; i < STAGES; i++) {
         if (NEW_STATE[i]) {
-            memcpy(to->u, from->u, t->n * sizeof(double));
-            for (int j = 0; j < i; j++) {
-                for (size_t k = 0; k < t->n && STAGE[i][j] != 0; k++) {
-                    to->u[k] += STAGE[i][j] * t->stage[j][k];
-                }
+            combine(t, STAGE[i], i, sum);
+            for (size_t k = 0; k < t->n; k++) {
+                to->u[k] = from->u[k] + sum[k];
             }
             if (!haft_tracker_gradient(t, to->u, to->load)) {
                 return false;
             }
         }
-        memset(sum, 0, t->n * sizeof *sum);
-        for (int j = 0; j < i; j++) {
-            for (size_t k = 0; k < t->n; k++) {
-                sum[k] += COUPLING[i][j] * t->stage[j][k];
-            }
-        }
         for (size_t k = 0; k < t->n; k++) {
             t->stage[i][k] = -t->gradient[k];
         }
-        haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
+        if (i > 0) {
+            combine(t, COUPLING[i], i, sum);
+            haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
+        }
         haft_factor_solve(t->factor, t->stage[i], 1);
     }
+    combine(t, RESULT, STAGES, sum);
     for (size_t k = 0; k < t->n; k++) {
-        double step = 0, defect = 0;
-        for (int i = 0; i < STAGES; i++) {
-            step += RESULT[i] * t->stage[i][k];
-            defect += DEFECT[i] * t->stage[i][k];
-        }
-        to->u[k] = from->u[k] + step;
-        sum[k] = defect;
+        to->u[k] = from->u[k] + sum[k];
     }
+    combine(t, DEFECT, STAGES, sum);
     return true;
 }
 
@@ -177,6 +184,15 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     return haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
 }
 
+/* How far the gaps of a state are from those of the fold, in lengths. */
+static double distance_from_fold(haft_tracker *t, const haft_state *state) {
+    double *way = t->scratch[3];
+    for (size_t i = 0; i < t->n; i++) {
+        way[i] = state->u[i] - t->here.u[i];
+    }
+    return haft_tracker_move(t, t->here.u, way, NULL);
+}
+
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
     haft_state *from = &t->spare, *to = &t->next;
     double dt = depart(t, from, away);
@@ -185,13 +201,14 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
     }
     to->load = from->load;
     double speed = INFINITY; /* of the gaps, in lengths a unit of time */
+    double allowed = fmin(t->options.flow_step, ERROR_SHARE * HAFT_DEPARTURE_MOVE);
     for (*steps = 0; *steps < FLOW_STEPS;) {
         double move = 0;
         double error = try_step(t, from, to, dt, &move);
-        double factor = MARGIN * cbrt(t->options.flow_step / fmax(error, 1e-30));
+        double factor = MARGIN * cbrt(allowed / fmax(error, 1e-30));
         double before = dt;
         dt *= fmin(GROWTH, fmax(SHRINKAGE, factor));
-        if (!(error <= t->options.flow_step)) {
+        if (!(error <= allowed)) {
             dt = fmin(dt, 0.7 * before);
             if (t->not_finite > NOT_FINITE_LIMIT) {
                 return HAFT_OUTCOME_NOT_FINITE;
@@ -204,6 +221,12 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         (*steps)++;
         t->cost.flow_steps++;
         swap(from, to);
+        if (!haft_tracker_is_clear(t, from->u)) {
+            return HAFT_OUTCOME_ZONE_LEFT;
+        }
+        if (allowed < t->options.flow_step) {
+            allowed = fmin(t->options.flow_step, ERROR_SHARE * distance_from_fold(t, from));
+        }
         bool slows = move / before < speed;
         speed = move / before;
         if (slows && move < SETTLING && is_arriving(t, from)) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A fold is where dP/dtau = 0 on the branch followed by the control: there the null vector of H is
  * du/dtau, and the bordered matrix is regular. The root is found by Newton on dP/dtau, whose slope
- * P'' comes with the branch's second derivatives, kept inside a bracket that bisection halves
- * whenever Newton leaves it or gains too little. P is stationary at the root, so the fold's load is
- * twice as exact as its place. */
+ * P'' comes with the branch's second derivatives, kept inside a bracket that is halved
+ * whenever Newton leaves it or the rate has not fallen to half. P is stationary at the root, so the
+ * fold's load is twice as exact as its place. */
 #include "tracker.h"
 
 #include <math.h>
@@ -37,11 +37,10 @@ static bool evaluate_at(haft_tracker *t, haft_step *step, double dtau, haft_iner
     return isfinite(t->end.load1) && isfinite(t->end.load2);
 }
 
-static double next_guess(const haft_tracker *t, const bracket *b, double dtau, double width) {
+static double next_guess(const haft_tracker *t, const bracket *b, double dtau, bool gaining) {
     double newton = dtau - t->end.load1 / t->end.load2;
     double low = fmin(b->stable, b->beyond), high = fmax(b->stable, b->beyond);
-    bool useful = newton > low && newton < high && fabs(b->beyond - b->stable) < 0.7 * width;
-    return useful ? newton : 0.5 * (b->stable + b->beyond);
+    return gaining && newton > low && newton < high ? newton : 0.5 * (b->stable + b->beyond);
 }
 
 bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *defect) {
@@ -51,7 +50,7 @@ bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *d
     if (!(dtau * step->sign > 0 && fabs(dtau) < length)) {
         dtau = 0.5 * step->dtau;
     }
-    double width = INFINITY;
+    double last = INFINITY;
     t->cost.folds++;
     for (int i = 0; i < FOLD_ITERATIONS; i++) {
         haft_inertia inertia;
@@ -59,7 +58,6 @@ bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *d
             return false;
         }
         double slope = t->end.load1 * step->sign * direction;
-        double before = fabs(b.beyond - b.stable);
         if (slope > 0) {
             b.stable = dtau;
         } else {
@@ -72,9 +70,8 @@ bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *d
             haft_branch_book(t, step);
             return true;
         }
-        double guess = next_guess(t, &b, dtau, width);
-        width = before;
-        dtau = guess;
+        dtau = next_guess(t, &b, dtau, *defect < 0.5 * last);
+        last = *defect;
     }
     return false;
 }

@@ -20,7 +20,7 @@
 static void describe_jump(haft_walker *w, haft_jump *jump) {
     haft_tracker *t = w->t;
     double closing = 0;
-    for (size_t r = 0; r < t->model->sites; r++) {
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
         bool before = t->gap_before[r] <= t->reach[r], after = t->gap_after[r] <= t->reach[r];
         jump->sites_switched += before != after;
         closing += t->gap_before[r] - t->gap_after[r];
@@ -99,7 +99,7 @@ static double energy_beside(haft_tracker *t, double amplitude) {
 static int conventional_sign(const haft_walker *w) {
     const haft_tracker *t = w->t;
     double most = haft_tracker_move(t, t->here.u, t->null, NULL);
-    for (size_t r = 0; r < t->model->sites; r++) {
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
         const haft_site *site = &t->model->site[r];
         double d = t->model->gap - haft_model_displacement(site, t->here.u);
         double closing = haft_model_displacement(site, t->null);

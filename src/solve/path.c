@@ -31,9 +31,12 @@ double haft_walker_crack(const haft_tracker *t, const haft_state *state) {
     return haft_model_crack_length(t->model, t->laws, state->u, t->programme.crack_threshold);
 }
 
+double haft_walker_excess(const haft_walker *w, const haft_state *state) {
+    return haft_walker_crack(w->t, state) - w->t->programme.crack_length * (1 + CRACK_TOLERANCE);
+}
+
 bool haft_walker_reached(const haft_walker *w, const haft_state *state) {
-    double wanted = w->t->programme.crack_length * (1 + CRACK_TOLERANCE);
-    return w->direction > 0 && haft_walker_crack(w->t, state) <= wanted;
+    return w->direction > 0 && haft_walker_excess(w, state) <= 0;
 }
 
 /* Follows one phase to its end. @return STUCK when it ended as asked. */
@@ -46,6 +49,9 @@ static haft_outcome follow(haft_walker *w) {
             return HAFT_OUTCOME_STEP_LIMIT;
         }
         haft_outcome outcome = haft_walker_advance(w);
+        if (!haft_tracker_is_clear(w->t, w->t->here.u)) {
+            return HAFT_OUTCOME_ZONE_LEFT;
+        }
         if (outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE && w->t->not_finite > 0) {
             return HAFT_OUTCOME_NOT_FINITE; /* that is what the step could not get past */
         }

@@ -110,7 +110,8 @@ void haft_path_destroy(haft_path **path) {
 }
 
 const char *haft_outcome_name(haft_outcome outcome) {
-    static const char *const name[HAFT_OUTCOMES] = {"stuck",        "free",       "step stalled",
-                                                    "flow stalled", "step limit", "not finite"};
+    static const char *const name[HAFT_OUTCOMES] = {"stuck",           "free",       "step stalled",
+                                                    "flow stalled",    "step limit", "not finite",
+                                                    "active zone left"};
     return (unsigned)outcome < HAFT_OUTCOMES ? name[outcome] : "unknown";
 }

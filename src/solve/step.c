@@ -64,7 +64,7 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
     double first = 1, target = 0;
     size_t chosen = t->model->sites;
-    for (size_t r = 0; r < t->model->sites; r++) {
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
         const haft_law *law = &t->laws[r];
         const haft_site *site = &t->model->site[r];
         if (law->kind != HAFT_LAW_MORSE) {
@@ -116,26 +116,38 @@ static void shrink(haft_walker *w, haft_step *step) {
     step->dtau *= factor;
 }
 
+/* What the crack's length exceeds the one asked for by where a step of this size ends; NaN if that
+ * is no step. */
+static double excess_at(haft_walker *w, haft_step *step, double dtau) {
+    step->dtau = dtau;
+    haft_step_result result = haft_branch_try(w->t, step, w->direction);
+    bool sound = result == HAFT_STEP_TAKEN || result == HAFT_STEP_DIPS;
+    return sound ? haft_walker_excess(w, &w->t->next) : NAN;
+}
+
 /* Shortens a step that goes past the crack length asked for so that it ends where that is just
- * reached. @return false if no such step could be taken. */
+ * reached: by secants that every third time give way to bisection, for the crack's tip leaps where
+ * it passes from patch to patch. @return false if no such step could be taken. */
 static bool stop_at_target(haft_walker *w, haft_step *step) {
-    double low = 0, high = step->dtau, full = fabs(step->dtau);
-    while (fabs(high - low) > 1e-13 * full) {
-        step->dtau = 0.5 * (low + high);
-        if (step->dtau == low || step->dtau == high) {
+    double wanted = w->t->programme.crack_length, full = fabs(step->dtau);
+    double low = 0, above = haft_walker_excess(w, &w->t->here);
+    double high = step->dtau, below = haft_walker_excess(w, &w->t->next);
+    for (int i = 0; fabs(high - low) > 1e-13 * full && below < -1e-13 * wanted; i++) {
+        double share = i % 3 < 2 ? above / (above - below) : 0.5;
+        double dtau = low + (share > 0.01 && share < 0.99 ? share : 0.5) * (high - low);
+        if (dtau == low || dtau == high) {
             break;
         }
-        haft_step_result result = haft_branch_try(w->t, step, w->direction);
-        bool sound = result == HAFT_STEP_TAKEN || result == HAFT_STEP_DIPS;
-        if (sound && haft_walker_reached(w, &w->t->next)) {
-            high = step->dtau;
+        double excess = excess_at(w, step, dtau);
+        if (excess <= 0) {
+            high = dtau;
+            below = excess;
         } else {
-            low = step->dtau;
+            low = dtau;
+            above = excess;
         }
     }
-    step->dtau = high;
-    haft_step_result result = haft_branch_try(w->t, step, w->direction);
-    return result == HAFT_STEP_TAKEN || result == HAFT_STEP_DIPS;
+    return excess_at(w, step, high) <= 0;
 }
 
 /* Takes the load itself as control to end a step exactly at a load. */

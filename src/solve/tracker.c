@@ -33,19 +33,19 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 }
 
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v) {
-    for (int k = 0; k < HAFT_SPAN; k++) {
-        if (site->dof[k] >= 0) {
-            v[site->dof[k]] += factor * site->shape[k] / t->model->gap;
-        }
+    for (int k = 0; k < site->terms; k++) {
+        v[site->dof[k]] += factor * site->shape[k] / t->model->gap;
     }
 }
 
 void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y) {
     const haft_model *m = t->model;
-    for (size_t j = 0; j < t->n; j++) {
+    for (size_t j = 0; j < t->n; j++) { /* M is symmetric: a column is a row */
+        double sum = 0;
         for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-            y[m->row[k]] += factor * m->mass[k] * x[j];
+            sum += m->mass[k] * x[m->row[k]];
         }
+        y[j] += factor * sum;
     }
 }
 
@@ -64,6 +64,15 @@ double haft_control_value(const haft_tracker *t, haft_control control, const haf
     return control.site == NULL ? state->load : haft_tracker_row(t, control.site, state->u);
 }
 
+bool haft_tracker_is_clear(const haft_tracker *t, const double *u) {
+    for (size_t r = 0; r < t->model->inert; r++) {
+        if (t->model->gap - haft_model_displacement(&t->model->site[r], u) <= t->far[r]) {
+            return false;
+        }
+    }
+    return true;
+}
+
 double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
     double beyond = d - t->far[site];
     return t->range[site] + (beyond > 0 ? beyond : 0);
@@ -71,7 +80,7 @@ double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
 
 double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site) {
     double largest = 0;
-    for (size_t r = 0; r < t->model->sites; r++) {
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
         const haft_site *s = &t->model->site[r];
         double d = t->model->gap - haft_model_displacement(s, u);
         double move = fabs(haft_model_displacement(s, v)) / haft_tracker_length(t, r, d);
@@ -89,7 +98,7 @@ static const haft_path_options DEFAULTS = {
     .gap_step = 0.25,
     .ledger_tolerance = 1e-10,
     .residual_tolerance = 1e-11,
-    .flow_step = 0.02,
+    .flow_step = 0.1,
     .step_limit = 200000,
 };
 
@@ -105,13 +114,13 @@ static haft_path_options resolve(const haft_path_options *given) {
 }
 
 /* All vectors of length n, in one list: allocated and freed by the same walk. */
-enum { VECTORS = 21 };
+enum { VECTORS = 20 };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
-    double **all[VECTORS] = {
-        &t->gradient,   &t->solution,   &t->mode,    &t->null,       &t->scratch[0], &t->scratch[1],
-        &t->scratch[2], &t->scratch[3], &t->here.u,  &t->next.u,     &t->spare.u,    &t->start.u1,
-        &t->start.u2,   &t->end.u1,     &t->end.u2,  &t->rebased.u1, &t->rebased.u2, &t->stage[0],
-        &t->stage[1],   &t->stage[2],   &t->stage[3]};
+    double **all[VECTORS] = {&t->gradient,   &t->solution,   &t->mode,       &t->null,
+                             &t->scratch[0], &t->scratch[1], &t->scratch[2], &t->scratch[3],
+                             &t->here.u,     &t->next.u,     &t->spare.u,    &t->start.u1,
+                             &t->start.u2,   &t->end.u1,     &t->end.u2,     &t->rebased.u1,
+                             &t->rebased.u2, &t->stage[0],   &t->stage[1],   &t->stage[2]};
     memcpy(vector, all, sizeof all);
 }
 
@@ -125,6 +134,7 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
         }
     }
     size_t sites = t->model->sites;
+    t->pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
     t->hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
     t->matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
     t->range = haft_memory_alloc(sites, sizeof(double), error);
@@ -133,19 +143,22 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     t->gap_before = haft_memory_alloc(sites, sizeof(double), error);
     t->gap_after = haft_memory_alloc(sites, sizeof(double), error);
     t->site_stiffness = haft_memory_alloc(sites, sizeof(double), error);
-    bool all = t->hessian && t->matrix && t->range && t->reach && t->far && t->gap_before &&
-               t->gap_after && t->site_stiffness;
+    bool all = t->pair && t->hessian && t->matrix && t->range && t->reach && t->far &&
+               t->gap_before && t->gap_after && t->site_stiffness;
     return all ? HAFT_OK : HAFT_ERROR_MEMORY;
 }
 
 /* Share of the greatest pull below which a law counts as nil for the step's size. */
 #define NIL_SHARE 1e-3
 
+/* And below which it is lost in the rounding of the others. */
+#define LOST_SHARE 1e-16
+
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t r = 0; r < t->model->sites; r++) {
         t->range[r] = haft_law_range(&t->laws[r]);
         t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
-        t->far[r] = haft_law_reach(&t->laws[r], NIL_SHARE);
+        t->far[r] = haft_law_reach(&t->laws[r], r < t->model->inert ? LOST_SHARE : NIL_SHARE);
         if (!(t->range[r] > 0) || !isfinite(t->range[r] + t->far[r] + t->reach[r])) {
             return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                                   "the law of site %zu has no finite range", r);
@@ -199,6 +212,7 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     for (int i = 0; i < VECTORS; i++) {
         haft_memory_free(*vector[i]);
     }
+    haft_memory_free(t->pair);
     haft_memory_free(t->hessian);
     haft_memory_free(t->matrix);
     haft_memory_free(t->range);

@@ -45,14 +45,16 @@ typedef struct haft_tracker {
     haft_programme programme;
     size_t n;
     double load_unit;            /* energy_unit / gap [N] */
-    double *range, *reach, *far; /* of each site: law's range; felt within; nil beyond [m] */
+    double *range, *reach, *far; /* of each site: law's range; felt within; nil beyond [m] (of an
+                                    inert one: nil to the last digit) */
     haft_factor *factor;         /* of the Hessian last asked for */
     haft_corrector *corrector;
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
     double *solution;                    /* n: H^-1 b at the state last certified */
     double *mode;                        /* n: eigenvector estimate of the smallest eigenvalue */
     double *scratch[4];                  /* n each */
-    double *stage[4];                    /* n each: the flow's stages */
+    double *stage[3];                    /* n each: the flow's stages */
+    double *pair;                        /* 2 n: two right-hand sides solved together */
     double *gap_before, *gap_after;      /* sites each */
     double *site_stiffness;              /* sites: at the state last certified, for refinement */
     haft_state here, next, spare;        /* accepted, tried, and the flow's second */
@@ -96,6 +98,9 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 
 /* Adds factor * row' of a site to v. */
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
+
+/* Whether all sites that the model leaves out are beyond the reach of their laws. */
+bool haft_tracker_is_clear(const haft_tracker *t, const double *u);
 
 /* The length over which a site's force changes at gap d, longer the farther it is out of reach. */
 double haft_tracker_length(const haft_tracker *t, size_t site, double d);

@@ -15,7 +15,7 @@ enum { MESHES = sizeof ELEMENT / sizeof *ELEMENT };
 static haft_model *make_beam(double element) {
     haft_error error = {0};
     /* patches of 30 um: sites at odd multiples of 15 um, nodes of each of the meshes */
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, element, 30e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, element, 30e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     return model;

@@ -38,7 +38,7 @@ enum { FIELDS = sizeof FIELD / sizeof *FIELD };
 
 static haft_model *make_beam(void) {
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 100e-6, 20e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 100e-6, 20e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     assert_int_equal(model->sites, SITES);

@@ -68,7 +68,8 @@ static void the_numbering_changes_nothing(void **state) {
     double worst_load = 0, worst_state = 0;
     for (uint64_t seed = 41; seed <= 44; seed++) {
         haft_error error = {0};
-        haft_mesh_spec mesh = {seed % 2 ? HAFT_MESH_UNIFORM : HAFT_MESH_EXACT, 15e-6, 3e-6, 60e-6};
+        haft_mesh_spec mesh = {seed % 2 ? HAFT_MESH_UNIFORM : HAFT_MESH_EXACT, 15e-6, 3e-6, 60e-6,
+                               0};
         haft_model *model = NULL;
         check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
         haft_model *turned = backwards(model);

@@ -55,8 +55,8 @@ static void check_monotone(const haft_path *path) {
 static void a_uniform_law_closes_and_opens_the_crack(void **state) {
     (void)state;
     /* sites at odd multiples of 3 um: nodes of both meshes, each the exact discretisation */
-    static const haft_mesh_spec mesh[2] = {{HAFT_MESH_EXACT, 0, 6e-6, 60e-6},
-                                           {HAFT_MESH_UNIFORM, 3e-6, 6e-6, 60e-6}};
+    static const haft_mesh_spec mesh[2] = {{HAFT_MESH_EXACT, 0, 6e-6, 60e-6, 0},
+                                           {HAFT_MESH_UNIFORM, 3e-6, 6e-6, 60e-6, 0}};
     static const haft_law_vector laws[2] = {{7e-3, 3e6, 9.5e-9, 7.8e-9}, {7e-3, 2e5, 25e-9, 10e-9}};
     for (int l = 0; l < 2; l++) {
         haft_path *path[3];
@@ -114,7 +114,7 @@ static void what_cannot_snap_does_not(void **state) {
     (void)state;
     /* a block of a beam: its softest mode, EI (1.875/L)^4 / w, outweighs the law's slope */
     haft_beam_spec block = {60e-6, 30e-6, 20e-6, 0.7e-6, 163e9};
-    haft_mesh_spec fine = {HAFT_MESH_UNIFORM, 3e-6, 6e-6, 60e-6};
+    haft_mesh_spec fine = {HAFT_MESH_UNIFORM, 3e-6, 6e-6, 60e-6, 0};
     haft_law_vector soft = {7e-3, 1.75e5, 25e-9, 5e-9};
     scene s = make_scene(&block, fine, soft, 1e6);
     double mode = haft_beam_bending_stiffness(&block) * pow(1.8751 / block.length, 4) / block.width;
@@ -127,7 +127,7 @@ static void what_cannot_snap_does_not(void **state) {
     check_reversible(&s, 0.1, "a stiff short beam in reach");
     drop(&s);
     /* long-ranged laws under the long beam */
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 300e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 300e-6, 0};
     haft_law_vector faint = {10e-6, 10, 100e-9, 20e-9};
     s = make_scene(&BEAM, mesh, faint, 1e4);
     mode = haft_beam_bending_stiffness(&BEAM) * pow(1.8751 / BEAM.length, 4) / BEAM.width;

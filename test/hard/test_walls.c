@@ -88,7 +88,7 @@ static const haft_beam_spec BEAM = {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9};
 static void a_beam_does_not_feel_how_high_the_wall_is(void **state) {
     (void)state;
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
@@ -131,7 +131,7 @@ static void a_beam_does_not_feel_how_high_the_wall_is(void **state) {
 static void a_beam_pressed_deep_into_its_walls(void **state) {
     (void)state;
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 300e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 300e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);

@@ -10,7 +10,7 @@ static const haft_beam_spec BEAM = {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9};
 static haft_model *make_beam(const haft_beam_spec *beam, double element, double meso,
                              double load_at) {
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, element, meso, load_at};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, element, meso, load_at, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, beam, &mesh, &error), error);
     return model;

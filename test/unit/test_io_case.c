@@ -63,7 +63,7 @@ static void model_case_is_read_in_si_units(void **state) {
     check_near(c->path.gap_step, 0.25, 0);
     check_near(c->path.ledger_tolerance, 1e-10, 0);
     check_near(c->path.residual_tolerance, 1e-11, 0);
-    check_near(c->path.flow_step, 0.02, 0);
+    check_near(c->path.flow_step, 0.1, 0);
     assert_int_equal(c->path.step_limit, 200000);
     assert_int_equal(c->realizations, 20);
     assert_false(c->evidence.all);

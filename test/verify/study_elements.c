@@ -43,7 +43,7 @@ typedef struct family {
 } family;
 
 static haft_model *make_model(const family *f, double element_length) {
-    haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 3e-6, f->load_position};
+    haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 3e-6, f->load_position, 0};
     if (element_length > 0) {
         mesh.kind = HAFT_MESH_UNIFORM;
         mesh.element_length = element_length;
@@ -302,7 +302,7 @@ static void random_laws(void **state) {
     random_beam drawn[RANDOM_BEAMS];
     for (size_t k = 0; k < f.beams; k++) {
         drawn[k] =
-            random_beam_create(k + 1, (haft_mesh_spec){HAFT_MESH_UNIFORM, 15e-6, 3e-6, 60e-6});
+            random_beam_create(k + 1, (haft_mesh_spec){HAFT_MESH_UNIFORM, 15e-6, 3e-6, 60e-6, 0});
         f.law[k] = drawn[k].law;
     }
     print_cycles(&f);

@@ -42,7 +42,7 @@ static void the_drag_matrix_is_told_where_it_matters(void **state) {
         size_t beams = 0, ends = 0, jumps = 0;
         double farthest = 0;
         for (uint64_t seed = 1; seed <= 50; seed++) {
-            haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 15e-6, 3e-6, 60e-6};
+            haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 15e-6, 3e-6, 60e-6, 0};
             random_beam b = random_beam_create(seed, mesh);
             haft_path *path = random_beam_cycle(&b, (haft_path_options){0});
             put_drag(b.model, kind);

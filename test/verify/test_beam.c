@@ -64,7 +64,7 @@ static void a_point_load_gives_the_exact_shape(void **state) {
         {HAFT_MESH_EXACT, 0, 212e-6, true},        {HAFT_MESH_EXACT, 0, 600e-6, true},
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
-        haft_mesh_spec mesh = {cases[c].kind, cases[c].element, 120e-6, cases[c].position};
+        haft_mesh_spec mesh = {cases[c].kind, cases[c].element, 120e-6, cases[c].position, 0};
         solved s = load_beam(&mesh, load);
         const double *u = s.u;
         /* Hermite elements are exact at their nodes for any load */
@@ -98,7 +98,7 @@ static void patches_of_uniform_pressure_reach_the_uniform_load(void **state) {
             double x = l * (r + 0.5) / sites;
             tip += q * l / sites * x * x * (3 * l - x) / (6 * ei);
         }
-        haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 120e-6, l / sites, l};
+        haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 120e-6, l / sites, l, 0};
         solved s = load_beam(&mesh, 1e-8);
         double sum = 0; /* Betti: the tip under pressure is the work of the shape of a tip load */
         for (size_t r = 0; r < s.model->sites; r++) {
@@ -119,7 +119,7 @@ static void patches_of_uniform_pressure_reach_the_uniform_load(void **state) {
 static void derivatives_follow_the_energy(void **state) {
     (void)state;
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 150e-6, 30e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 150e-6, 30e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     size_t n = model->dofs;
@@ -166,7 +166,7 @@ static void derivatives_follow_the_energy(void **state) {
 static void the_mass_matrix_integrates_squares(void **state) {
     (void)state;
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 50e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 50e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     size_t n = model->dofs;
@@ -192,7 +192,7 @@ static void the_crack_tip_is_found_in_the_shape(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
         haft_error error = {0};
-        haft_mesh_spec mesh = {(haft_mesh_kind)kind, 75e-6, 6e-6, 60e-6};
+        haft_mesh_spec mesh = {(haft_mesh_kind)kind, 75e-6, 6e-6, 60e-6, 0};
         haft_model *model = NULL;
         check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
         haft_law law[100];
@@ -229,12 +229,12 @@ static void bad_meshes_are_refused(void **state) {
         haft_mesh_spec mesh;
         const char *says;
     } bad[] = {
-        {{HAFT_MESH_UNIFORM, 15e-6, 7e-6, 60e-6}, "l_meso"},
-        {{HAFT_MESH_UNIFORM, 17e-6, 3e-6, 60e-6}, "element_length"},
-        {{HAFT_MESH_UNIFORM, 15e-6, 3e-6, 700e-6}, "off the beam"},
-        {{HAFT_MESH_UNIFORM, 15e-6, 3e-6, 0}, "off the beam"},
-        {{HAFT_MESH_EXACT, 0, -3e-6, 60e-6}, "l_meso"},
-        {{HAFT_MESH_UNIFORM, NAN, 3e-6, 60e-6}, "element_length"},
+        {{HAFT_MESH_UNIFORM, 15e-6, 7e-6, 60e-6, 0}, "l_meso"},
+        {{HAFT_MESH_UNIFORM, 17e-6, 3e-6, 60e-6, 0}, "element_length"},
+        {{HAFT_MESH_UNIFORM, 15e-6, 3e-6, 700e-6, 0}, "off the beam"},
+        {{HAFT_MESH_UNIFORM, 15e-6, 3e-6, 0, 0}, "off the beam"},
+        {{HAFT_MESH_EXACT, 0, -3e-6, 60e-6, 0}, "l_meso"},
+        {{HAFT_MESH_UNIFORM, NAN, 3e-6, 60e-6, 0}, "element_length"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         haft_error error = {0};

@@ -40,7 +40,7 @@ static void assemble(scene *s) {
 
 static void make_scene(scene *s, uint64_t seed) {
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};
     check_ok(haft_model_create_beam(&s->model, &BEAM, &mesh, &error), error);
     assert_int_equal(s->model->dofs, N);
     assert_int_equal(s->model->sites, MESO);

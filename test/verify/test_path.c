@@ -19,7 +19,7 @@ typedef struct scene {
 static scene make_scene(uint64_t seed, haft_mesh_kind kind) {
     scene s = {0};
     haft_error error = {0};
-    haft_mesh_spec mesh = {kind, 15e-6, 3e-6, 60e-6};
+    haft_mesh_spec mesh = {kind, 15e-6, 3e-6, 60e-6, 0};
     check_ok(haft_model_create_beam(&s.model, &BEAM, &mesh, &error), error);
     s.law = haft_memory_alloc(s.model->sites, sizeof *s.law, &error);
     for (size_t r = 0; r < s.model->sites; r++) {
@@ -151,7 +151,7 @@ static void the_answer_does_not_depend_on_the_step(void **state) {
 static void a_short_range_gives_griffiths_crack(void **state) {
     (void)state;
     haft_error error = {0};
-    haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 1e-6, 60e-6};
+    haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 1e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
     haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);

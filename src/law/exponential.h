@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The exponential of the Morse law, written out so that a loop over sites becomes vector code, and
+ * so that its bits do not depend on which exponential a C library picks for a processor. */
+#ifndef HAFT_LAW_EXPONENTIAL_H
+#define HAFT_LAW_EXPONENTIAL_H
+
+#include <stdint.h>
+#include <string.h>
+
+/* e^x for |x| <= 700, to an ulp: x = n ln 2 + r, |r| <= ln(2)/2, the Taylor polynomial of degree 13
+ * in r (its remainder is below 5e-18), and n put into the exponent. */
+static inline double haft_law_exponential(double x) {
+    const double shift = 0x1.8p52; /* adding it rounds to an integer, held in the low bits */
+    double t = x * 0x1.71547652b82fep0 + shift;
+    double n = t - shift;
+    double r = (x - n * 0x1.62e42fee00000p-1) - n * 0x1.a39ef35793c76p-33;
+    double q = 1.0 / 6227020800.0;
+    q = q * r + 1.0 / 479001600.0;
+    q = q * r + 1.0 / 39916800.0;
+    q = q * r + 1.0 / 3628800.0;
+    q = q * r + 1.0 / 362880.0;
+    q = q * r + 1.0 / 40320.0;
+    q = q * r + 1.0 / 5040.0;
+    q = q * r + 1.0 / 720.0;
+    q = q * r + 1.0 / 120.0;
+    q = q * r + 1.0 / 24.0;
+    q = q * r + 1.0 / 6.0;
+    q = q * r + 0.5;
+    double power = r + r * r * q;
+    uint64_t bits;
+    memcpy(&bits, &t, sizeof bits);
+    bits = (bits << 52) + ((uint64_t)1023 << 52);
+    double scale;
+    memcpy(&scale, &bits, sizeof scale);
+    return scale + scale * power;
+}
+
+#endif
