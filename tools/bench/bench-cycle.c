@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a load-unload cycle of one beam costs, against the floor: as many bare KLU refactorizations
- * and solves of the same pattern as the path made. On the paper's mesh and on the exact one; and
- * what finer steps buy.
+ * and solves of the same pattern as the path made. On the paper's mesh, on the exact one and on the
+ * active one; how the cost grows with the number of sites; and what finer steps buy.
  *
  *     bench-cycle [-b beams] [-r rounds] [-m] [-s] [case directory]
  *
@@ -158,6 +158,7 @@ static haft_model *make_model(const bench *b, haft_mesh_kind kind) {
     haft_model *model = NULL;
     haft_mesh_spec mesh = b->c->mesh;
     mesh.kind = kind;
+    mesh.active_from = 0.5 * b->c->programme.crack_length;
     if (kind == HAFT_MESH_UNIFORM && !(mesh.element_length > 0)) {
         mesh.element_length = 15e-6;
     }
@@ -168,6 +169,7 @@ static haft_model *make_model(const bench *b, haft_mesh_kind kind) {
 static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
     haft_error error = {0};
     haft_model *model = make_model(b, kind);
+    static const char *const name[] = {"uniform", "exact", "active"};
     double time[BEAM_LIMIT], ratio[BEAM_LIMIT], floor = 0;
     mean_cost cost = {0};
     for (int k = 0; k < b->beams; k++) {
@@ -186,10 +188,62 @@ static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
     }
     double middle = median(time, b->beams);
     printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.1f %7.0f %8.0f %8.0f %8.0f %6.0f %6.1f\n",
-           kind == HAFT_MESH_EXACT ? "exact" : "uniform", model->dofs, model->nonzeros, middle,
-           time[0], time[b->beams - 1], 1e6 * floor, median(ratio, b->beams), cost.steps,
-           cost.rejected, cost.newton, cost.factorizations, cost.flow, cost.jumps);
+           name[kind], model->dofs, model->nonzeros, middle, time[0], time[b->beams - 1],
+           1e6 * floor, median(ratio, b->beams), cost.steps, cost.rejected, cost.newton,
+           cost.factorizations, cost.flow, cost.jumps);
     haft_model_destroy(&model);
+}
+
+/* ---- cost against the number of sites ---- */
+
+/* Slope of log y over log x. */
+static double exponent(const double *x, const double *y, int n) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (int i = 0; i < n; i++) {
+        double a = log(x[i]), b = log(y[i]);
+        sx += a, sy += b, sxx += a * a, sxy += a * b;
+    }
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+/* Beams of 1 um, thin enough to stick at 110 um, ever longer on patches of 3 um, all of them
+ * active: random laws, exact mesh. */
+static void study_sites(const bench *b) {
+    enum { SIZES = 5, BEAMS = 3 };
+    static const size_t sites[SIZES] = {50, 100, 200, 500, 1000};
+    double n[SIZES], cycle[SIZES], one[SIZES];
+    printf("\nCost against the number of active sites: beams 1 um thick, patches of 3 um, exact "
+           "mesh, median of %d beams\n%8s %8s %12s %8s %10s %18s\n",
+           BEAMS, "sites", "dofs", "cycle [ms]", "steps", "factoriz.", "a factoriz. [us]");
+    for (int i = 0; i < SIZES; i++) {
+        haft_error error = {0};
+        haft_beam_spec beam = {3e-6 * (double)sites[i], 30e-6, 1e-6, 1.9e-6, 163e9};
+        haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 3e-6, 30e-6, 0};
+        haft_programme programme = {60e-6, 0.01, INFINITY};
+        haft_model *model = NULL;
+        must(haft_model_create_beam(&model, &beam, &mesh, &error), &error);
+        double time[BEAMS], each[BEAMS];
+        mean_cost cost = {0};
+        for (int k = 0; k < BEAMS; k++) {
+            haft_site_laws *laws = draw_laws((uint64_t)k, sites[i], &error);
+            haft_path *path = NULL;
+            double start = now();
+            must(haft_solve_path(&path, model, laws->law, &programme, &b->c->path, &error), &error);
+            time[k] = now() - start;
+            each[k] = time[k] / (double)path->cost.factorizations;
+            add_cost(&cost, path, BEAMS);
+            haft_path_destroy(&path);
+            haft_site_laws_destroy(&laws);
+        }
+        n[i] = (double)sites[i];
+        cycle[i] = median(time, BEAMS);
+        one[i] = median(each, BEAMS);
+        printf("%8zu %8zu %12.1f %8.0f %10.0f %18.2f\n", sites[i], model->dofs, 1e3 * cycle[i],
+               cost.steps, cost.factorizations, 1e6 * one[i]);
+        haft_model_destroy(&model);
+    }
+    printf("exponent: cycle %.2f, a factorization with all that goes with it %.2f\n",
+           exponent(n, cycle, SIZES), exponent(n, one, SIZES));
 }
 
 /* ---- speed against error ---- */
@@ -240,11 +294,11 @@ static void study_setting(const bench *b, const haft_model *model, const setting
 
 static void study_error(const bench *b) {
     static const setting settings[] = {
-        {"finest", 0.001, 0.05, 1e-12}, {"flow", 0.005, 0.25, 1e-10}, {"flow", 0.02, 0.25, 1e-10},
-        {"flow", 0.05, 0.25, 1e-10},    {"flow", 0.2, 0.25, 1e-10},   {"flow", 0.5, 0.25, 1e-10},
-        {"gap", 0.02, 0.1, 1e-10},      {"gap", 0.02, 0.5, 1e-10},    {"gap", 0.02, 1, 1e-10},
-        {"ledger", 0.02, 0.25, 1e-12},  {"ledger", 0.02, 0.25, 1e-8}, {"ledger", 0.02, 0.25, 1e-6},
-        {"ledger", 0.02, 0.25, 1e-4},   {"coarse", 0.2, 1, 1e-6},
+        {"finest", 0.001, 0.05, 1e-12}, {"flow", 0.01, 0.25, 1e-10}, {"flow", 0.03, 0.25, 1e-10},
+        {"default", 0.1, 0.25, 1e-10},  {"flow", 0.3, 0.25, 1e-10},  {"flow", 1, 0.25, 1e-10},
+        {"gap", 0.1, 0.1, 1e-10},       {"gap", 0.1, 0.5, 1e-10},    {"gap", 0.1, 1, 1e-10},
+        {"ledger", 0.1, 0.25, 1e-12},   {"ledger", 0.1, 0.25, 1e-8}, {"ledger", 0.1, 0.25, 1e-6},
+        {"ledger", 0.1, 0.25, 1e-4},    {"coarse", 1, 1, 1e-6},
     };
     haft_model *model = make_model(b, HAFT_MESH_UNIFORM);
     result reference[BEAM_LIMIT];
@@ -299,6 +353,8 @@ int main(int count, char **arguments) {
            "[s]", "[s]", "[s]", "[us]", "median", "", "", "iter.", "izations", "steps", "");
     compare_with_floor(&b, HAFT_MESH_UNIFORM);
     compare_with_floor(&b, HAFT_MESH_EXACT);
+    compare_with_floor(&b, HAFT_MESH_ACTIVE);
+    study_sites(&b);
     if (study) {
         study_error(&b);
     }
