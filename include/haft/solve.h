@@ -100,7 +100,11 @@ typedef struct haft_path {
     size_t turn;         /**< index of the last point of the loading */
     bool turned_by_load; /**< the loading ended at the load limit, not at the crack length */
     haft_outcome outcome;
-    double ledger_error; /**< greatest |work - energy - dissipated| over the path / total |work| */
+    double ledger_error;  /**< greatest |work - energy - dissipated| over the path / total |work| */
+    double end_influence; /**< of the free end of a stuck beam on its crack's tip: the tip's share
+                             of the deflection that a force at the end makes, |w_tip / w_end|.
+                             Small: the beam is long enough, more of it would change nothing. 0 of a
+                               beam let go and of a structure that is no beam, NaN if not solved */
     haft_path_cost cost;
     size_t point_capacity, jump_capacity;
 } haft_path;

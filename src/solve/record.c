@@ -85,6 +85,23 @@ haft_status haft_record_jump(haft_path *path, const haft_jump *jump, haft_error 
     return status;
 }
 
+/* |w_tip / w_end| under a force at the free end, at `here`, whose Hessian is factored anew. */
+static double end_influence(haft_tracker *t, double crack) {
+    const haft_model *m = t->model;
+    size_t end = 2 * (m->nodes - 2); /* the last node's deflection */
+    double *w = t->scratch[0];
+    if (!haft_tracker_evaluate(t, t->here.u, t->here.load, NULL, NULL) ||
+        !haft_factor_update(t->factor, t->hessian)) {
+        return NAN;
+    }
+    memset(w, 0, t->n * sizeof *w);
+    w[end] = 1;
+    haft_factor_solve(t->factor, w, 1);
+    double deflection, rotation;
+    haft_model_shape(m, w, crack, &deflection, &rotation);
+    return fabs(deflection / (m->scale[end] * w[end]));
+}
+
 haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledger *ledger,
                                haft_error *error) {
     path->final_state = haft_memory_alloc(t->n, sizeof(double), error);
@@ -94,6 +111,13 @@ haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledg
     memcpy(path->final_state, t->here.u, t->n * sizeof(double));
     path->ledger_error = ledger->turnover > 0 ? ledger->worst / ledger->turnover : 0;
     path->cost = t->cost;
+    bool stuck = path->outcome == HAFT_OUTCOME_STUCK && t->model->nodes > 1 && path->points > 0;
+    bool solved =
+        stuck || path->outcome == HAFT_OUTCOME_FREE || path->outcome == HAFT_OUTCOME_STUCK;
+    path->end_influence = solved ? 0 : NAN;
+    if (stuck) {
+        path->end_influence = end_influence(t, path->point[path->points - 1].crack_length);
+    }
     return HAFT_OK;
 }
 
