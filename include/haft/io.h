@@ -23,6 +23,9 @@ extern "C" {
 
 enum { HAFT_NAME_CAPACITY = 128, HAFT_TEXT_CAPACITY = 512 };
 
+/** Bounds of a sweep: keys varied together, values each; bytes of a variant's label. */
+enum { HAFT_SWEPT_KEYS_MAX = 8, HAFT_VARIANTS_MAX = 1000, HAFT_LABEL_CAPACITY = 96 };
+
 /** Where the solver's laws come from. */
 typedef enum haft_sampler {
     HAFT_SAMPLER_EXPLICIT, /**< patches cut from one seamless surface of the whole beam */
@@ -74,6 +77,17 @@ typedef struct haft_case {
         size_t *realization; /**< which realizations leave evidence; owned by the case */
     } evidence;
 
+    /** Which variant of the file's sweep this is; a variant is a plain case, and its resolved text
+     *  knows nothing of the sweep. */
+    struct haft_case_sweep {
+        size_t variants; /**< in the file; 1 without a sweep */
+        size_t variant;  /**< this one */
+        size_t keys;     /**< varied; 0 without a sweep */
+        const char *key[HAFT_SWEPT_KEYS_MAX], *unit[HAFT_SWEPT_KEYS_MAX];
+        double value[HAFT_SWEPT_KEYS_MAX]; /**< in `unit`; a choice's place among the choices */
+        char label[HAFT_LABEL_CAPACITY];   /**< fit for a folder's name: "02_l_meso-3um" */
+    } sweep;
+
     /** Numbers to print beside ours; NaN where the case gives none. */
     struct {
         double paper_crack_length, measured_crack_length; /**< [m] */
@@ -96,6 +110,18 @@ typedef struct haft_case {
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);
+
+/** Reads one variant of a case with a sweep,
+ *
+ *      sweep:
+ *        beam.l_meso: [24 um, 12 um, 6 um]
+ *        load.crack_length: [130 um, 130 um, 120 um]
+ *
+ *  numbers and choices by their dotted paths, lists of equal length: variant i takes the i-th value
+ *  of each. haft_case_read() reads variant 0.
+ *  @return HAFT_ERROR_ARGUMENT if there is no such variant; else as haft_case_read(). */
+haft_status haft_case_read_variant(haft_case **out, const char *path, size_t variant,
+                                   haft_error *error) HAFT_MUST_CHECK;
 
 /** The resolved case as YAML that reads back to the same bits; the caller frees it with
  *  haft_memory_free(). */

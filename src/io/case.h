@@ -97,6 +97,7 @@ typedef struct haft_case_reader {
     haft_key_state state[HAFT_KEYS_MAX];
     haft_mark mark[HAFT_KEYS_MAX];
     haft_mark section_mark[HAFT_SECTIONS_MAX];
+    haft_mark sweep_mark;
     haft_mark *evidence_mark; /* one an entry of the evidence */
     size_t complaints;        /* all of them, kept or not */
     haft_complaint complaint[HAFT_COMPLAINTS_MAX];
@@ -118,6 +119,9 @@ const char *haft_case_nearest(const char *word, const char *const *words, size_t
  * if it cannot be. `entry` counts the entries of a list of reals. */
 bool haft_case_store(haft_case_reader *reader, int key, size_t entry, const char *text,
                      size_t length, haft_mark mark);
+
+/* What a key's field holds, as a number: a choice by its place among the choices. */
+double haft_case_number(const haft_case *c, const haft_key *key);
 
 /* Checks that need several keys at once. */
 void haft_case_cross_check(haft_case_reader *reader);

@@ -166,6 +166,10 @@ static void read_pair(haft_case_reader *reader, yaml_document_t *document, const
         return;
     }
     const char *leaf = (const char *)name->data.scalar.value;
+    if (*section == '\0' && strcmp(leaf, "sweep") == 0) {
+        haft_case_read_sweep(reader, document, value, mark);
+        return;
+    }
     char path[HAFT_KEY_CAPACITY * 2];
     snprintf(path, sizeof path, "%s%s%s", section, *section == '\0' ? "" : ".", leaf);
     int key = haft_case_find_key(path), inner = haft_case_find_section(path);
@@ -309,7 +313,7 @@ static haft_status parse(haft_case_reader *reader, const haft_case_text *text, c
 #define ACTIVE_SHARE 0.5
 
 static haft_status resolve(haft_case **out, const haft_case_text *text, const char *path,
-                           haft_error *error) {
+                           size_t variant, haft_error *error) {
     haft_status status = HAFT_ERROR_MEMORY;
     haft_units *units = NULL;
     haft_case_reader *reader = haft_memory_alloc(1, sizeof *reader, error);
@@ -320,10 +324,16 @@ static haft_status resolve(haft_case **out, const haft_case_text *text, const ch
     if (status == HAFT_OK) {
         haft_case_preset(c);
         reader->c = c;
+        c->sweep.variants = 1;
+        c->sweep.variant = variant;
         reader->units = units;
         reader->error = error;
         status = parse(reader, text, path, error);
         c->mesh.active_from = ACTIVE_SHARE * c->programme.crack_length;
+    }
+    if (status == HAFT_OK && variant >= c->sweep.variants) {
+        status = haft_error_set(error, HAFT_ERROR_ARGUMENT, "%s: there is no variant %zu of %zu",
+                                path, variant, c->sweep.variants);
     }
     haft_units_destroy(&units);
     if (reader != NULL) {
@@ -338,13 +348,18 @@ static haft_status resolve(haft_case **out, const haft_case_text *text, const ch
 }
 
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) {
+    return haft_case_read_variant(out, path, 0, error);
+}
+
+haft_status haft_case_read_variant(haft_case **out, const char *path, size_t variant,
+                                   haft_error *error) {
     *out = NULL;
     haft_case_text text;
     haft_status status = haft_case_load(&text, path, error);
     if (status != HAFT_OK) {
         return status;
     }
-    status = resolve(out, &text, path, error);
+    status = resolve(out, &text, path, variant, error);
     haft_memory_free(text.bytes);
     return status;
 }

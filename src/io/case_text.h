@@ -24,4 +24,9 @@ haft_status haft_case_parser_failed(const yaml_parser_t *parser, const char *fil
 
 haft_mark haft_case_mark_of(yaml_mark_t mark);
 
+/* Reads the node of the key `sweep`: counts its variants, and takes the values of the one that
+ * reader->c->sweep.variant names. */
+void haft_case_read_sweep(haft_case_reader *reader, yaml_document_t *document,
+                          const yaml_node_t *node, haft_mark mark);
+
 #endif

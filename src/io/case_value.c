@@ -242,6 +242,30 @@ static bool store_evidence(haft_case_reader *reader, const haft_key *key, size_t
     return true;
 }
 
+double haft_case_number(const haft_case *c, const haft_key *key) {
+    const char *field = (const char *)c + key->offset;
+    double real;
+    size_t count;
+    uint64_t seed;
+    int choice;
+    switch (key->type) {
+    case HAFT_KEY_REAL:
+        memcpy(&real, field, sizeof real);
+        return real;
+    case HAFT_KEY_COUNT:
+        memcpy(&count, field, sizeof count);
+        return (double)count;
+    case HAFT_KEY_SEED:
+        memcpy(&seed, field, sizeof seed);
+        return (double)seed;
+    case HAFT_KEY_CHOICE:
+        memcpy(&choice, field, sizeof choice);
+        return choice;
+    default:
+        return NAN;
+    }
+}
+
 bool haft_case_store(haft_case_reader *reader, int index, size_t entry, const char *text,
                      size_t length, haft_mark mark) {
     const haft_key *key = &haft_case_keys[index];
