@@ -165,11 +165,40 @@ static void two_folds_about_to_vanish_are_found(void **state) {
     haft_model_destroy(&model);
 }
 
+/* Two springs apart whose folds' loads differ by ever less: shifting a law by s shifts its fold's
+ * load by -k s, so both are known, and each must jump at its own. */
+static void two_folds_side_by_side_are_told_apart(void **state) {
+    (void)state;
+    haft_law law[2] = {make_law(), make_law()};
+    double k = 0.1 * AREA * law[0].f_max * law[0].a_right, gap;
+    double single = fold_load(&law[0], k, &gap);
+    haft_model *model = springs_apart(2, k);
+    for (double apart = 1e-4; apart > 0.9e-10; apart /= 10) {
+        double shift = -apart * single / k;
+        law[1] = make_law();
+        law[1].d_max += shift;
+        law[1].wall_distance += shift;
+        haft_path *path = follow(model, law, 3 * single);
+        assert_true(path->jumps >= 2);
+        for (int j = 0; j < 2; j++) {
+            assert_int_equal(path->jump[j].site, j);
+            assert_int_equal(path->jump[j].departure, HAFT_DEPARTURE_FOLD);
+        }
+        check_relative(path->jump[0].load, 2 * single, 1e-12);
+        double between = path->jump[1].load - path->jump[0].load;
+        check_near(between / (2 * single * apart), 1, 1e-12 / apart);
+        check_less(path->ledger_error, 1e-9);
+        haft_path_destroy(&path);
+    }
+    haft_model_destroy(&model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sites_alike_snap_together),
         cmocka_unit_test(a_symmetric_pair_turns_over_by_rule),
         cmocka_unit_test(two_folds_about_to_vanish_are_found),
+        cmocka_unit_test(two_folds_side_by_side_are_told_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
