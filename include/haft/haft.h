@@ -6,6 +6,7 @@
 
 #include "haft/base.h"
 #include "haft/beam.h"
+#include "haft/chaos.h"
 #include "haft/contact.h"
 #include "haft/io.h"
 #include "haft/law.h"

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The expansion, eight germs at a time: nested sums in the order the terms are kept, each partial
+ * sum of the last variable multiplied once by the polynomial before it. Coordinate i of the map
+ * hangs on i + 1 variables alone, so that of three coordinates two are nearly free. A germ alone
+ * takes a lane of its own and gives the same bits. */
+#include <string.h>
+
+#include "chaos/model.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
+enum { LANES = CHAOS_TOGETHER, ROWS = HAFT_CHAOS_ORDER_LIMIT + 1 };
+
+typedef double lanes[LANES];
+typedef lanes table[ROWS]; /* polynomials of one variable */
+
+INLINE const double *sum_1(const double *c, const table *psi, size_t order, lanes out) {
+    lanes sum = {0};
+    for (size_t a = 0; a <= order; a++) {
+        for (size_t l = 0; l < LANES; l++) {
+            sum[l] += c[a] * psi[0][a][l];
+        }
+    }
+    memcpy(out, sum, sizeof sum);
+    return c + order + 1;
+}
+
+/* One more variable in front of those of `inner`. */
+#define NEST(name, inner)                                                                          \
+    INLINE const double *name(const double *c, const table *psi, size_t order, lanes out) {        \
+        lanes sum = {0}, part;                                                                     \
+        for (size_t a = 0; a <= order; a++) {                                                      \
+            c = inner(c, psi + 1, order - a, part);                                                \
+            for (size_t l = 0; l < LANES; l++) {                                                   \
+                sum[l] += part[l] * psi[0][a][l];                                                  \
+            }                                                                                      \
+        }                                                                                          \
+        memcpy(out, sum, sizeof sum);                                                              \
+        return c;                                                                                  \
+    }
+
+NEST(sum_2, sum_1)
+NEST(sum_3, sum_2)
+NEST(sum_4, sum_3)
+
+INLINE void fill(const chaos_recurrence *r, size_t order, const lanes x, table psi) {
+    for (size_t l = 0; l < LANES; l++) {
+        psi[0][l] = 1;
+    }
+    for (size_t k = 0; k < order; k++) {
+        double before = r->b[k], after = r->b[k + 1];
+        for (size_t l = 0; l < LANES; l++) {
+            double low = k > 0 ? psi[k - 1][l] : 0;
+            psi[k + 1][l] = ((x[l] - r->a) * psi[k][l] - before * low) / after;
+        }
+    }
+}
+
+INLINE void expand(const haft_chaos *chaos, const lanes *x, lanes *out) {
+    table psi[HAFT_CHAOS_DIMENSION];
+    size_t order = chaos->parts.order;
+    for (size_t i = 0; i < chaos->parts.components; i++) {
+        fill(&chaos->recurrence, order, x[i], psi[i]);
+    }
+    const table *all = (const table *)psi;
+    switch (chaos->parts.components) {
+    case 4:
+        sum_4(chaos->compact[3], all, order, out[3]);
+        /* fall through */
+    case 3:
+        sum_3(chaos->compact[2], all, order, out[2]);
+        /* fall through */
+    case 2:
+        sum_2(chaos->compact[1], all, order, out[1]);
+        /* fall through */
+    default:
+        sum_1(chaos->compact[0], all, order, out[0]);
+    }
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define CHAOS_WIDE
+__attribute__((target("avx2"))) static void expand_wide(const haft_chaos *chaos, const lanes *x,
+                                                        lanes *out) {
+    expand(chaos, x, out);
+}
+#endif
+
+void haft_chaos_expand_lanes(const haft_chaos *chaos,
+                             double x[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER],
+                             double out[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER]) {
+#ifdef CHAOS_WIDE
+    if (__builtin_cpu_supports("avx2")) {
+        expand_wide(chaos, (const lanes *)x, out);
+        return;
+    }
+#endif
+    expand(chaos, (const lanes *)x, out);
+}
+
+void haft_chaos_expand(const haft_chaos *chaos, const double *x, double *eta) {
+    lanes germ[HAFT_CHAOS_DIMENSION] = {{0}}, out[HAFT_CHAOS_DIMENSION];
+    for (size_t i = 0; i < chaos->parts.components; i++) {
+        for (size_t l = 0; l < LANES; l++) {
+            germ[i][l] = x[i];
+        }
+    }
+    haft_chaos_expand_lanes(chaos, germ, out);
+    for (size_t i = 0; i < chaos->parts.components; i++) {
+        eta[chaos->parts.component_order[i]] = out[i][0];
+    }
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Conditional laws of a Gaussian mixture. Given the coordinates before, a coordinate's law is again
+ * a mixture, each centre weighing as the kernels of those coordinates: kept as logarithms until the
+ * greatest is known, so that far from all data the nearest centre takes all. Centres that weigh
+ * less than m^-1 e^-75 of the greatest are dropped; together they hold less than e^-75 = 3e-33 of
+ * the law. */
+#include "chaos/mixture.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "chaos/normal.h"
+
+#define NEGLIGIBLE 75.0
+
+/* Below this many centres gathering them in bins saves nothing. */
+enum { FEW = 256 };
+
+static size_t fill_bins(chaos_axis *axis, size_t m, double h) {
+    double low = axis->centre[0], high = low;
+    for (size_t k = 1; k < m; k++) {
+        low = fmin(low, axis->centre[k]);
+        high = fmax(high, axis->centre[k]);
+    }
+    double width = fmax(0.25 * h, (high - low) / (CHAOS_BIN_LIMIT - 1));
+    for (size_t k = 0; k < m; k++) {
+        axis->bin[k] = (uint16_t)((axis->centre[k] - low) / width);
+    }
+    return (size_t)((high - low) / width) + 1;
+}
+
+/* Bins' weights and centres of mass, without the empty ones; returns how many, padded. */
+static size_t close_bins(size_t bins, double *centre, double *weight) {
+    size_t n = 0;
+    for (size_t b = 0; b < bins; b++) {
+        if (weight[b] > 0) {
+            double c = centre[b] / weight[b];
+            weight[n] = weight[b];
+            centre[n++] = c;
+        }
+    }
+    size_t padded = chaos_padded(n);
+    for (size_t b = n; b < padded; b++) {
+        weight[b] = 0;
+        centre[b] = centre[0];
+    }
+    return padded;
+}
+
+static void set_limits(chaos_line *line, size_t n) {
+    line->low = line->high = line->centre[0];
+    for (size_t k = 0; k < n; k++) {
+        double c = line->centre[k];
+        line->low = c < line->low ? c : line->low;
+        line->high = c > line->high ? c : line->high;
+        line->total += line->weight[k];
+    }
+}
+
+static void make_first(chaos_mixture *mixture, size_t i) {
+    const chaos_axis *axis = &mixture->axis[i];
+    chaos_line *line = &mixture->first[i];
+    *line = (chaos_line){.h = mixture->h,
+                         .n = chaos_padded(mixture->m),
+                         .centre = axis->centre,
+                         .weight = mixture->equal};
+    set_limits(line, mixture->m);
+    if (mixture->m > FEW) {
+        double *centre = mixture->rough + 2 * i * CHAOS_BIN_LIMIT;
+        double *weight = centre + CHAOS_BIN_LIMIT;
+        for (size_t k = 0; k < mixture->m; k++) {
+            weight[axis->bin[k]] += 1;
+            centre[axis->bin[k]] += axis->centre[k];
+        }
+        line->rough_n = close_bins(axis->bins, centre, weight);
+        line->rough_centre = centre;
+        line->rough_weight = weight;
+    }
+}
+
+haft_status haft_chaos_mixture_init(chaos_mixture *out, size_t m, size_t directions,
+                                    const double *centre, const size_t *order, double scale,
+                                    double h, haft_error *error) {
+    size_t padded = chaos_padded(m), bins = 2 * HAFT_CHAOS_DIMENSION * CHAOS_BIN_LIMIT;
+    *out = (chaos_mixture){.m = m, .directions = directions, .h = h};
+    out->memory = haft_memory_alloc(padded * (directions + 1) + bins, sizeof(double), error);
+    if (out->memory == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    out->equal = out->memory + padded * directions;
+    out->rough = out->equal + padded;
+    for (size_t k = 0; k < m; k++) {
+        out->equal[k] = 1;
+    }
+    for (size_t i = 0; i < directions; i++) {
+        chaos_axis *axis = &out->axis[i];
+        axis->centre = out->memory + i * padded;
+        axis->bin = haft_memory_alloc(padded, sizeof *axis->bin, error);
+        if (axis->bin == NULL) {
+            haft_chaos_mixture_clear(out);
+            return HAFT_ERROR_MEMORY;
+        }
+        for (size_t k = 0; k < padded; k++) {
+            axis->centre[k] = scale * centre[(k < m ? k : 0) * directions + order[i]];
+        }
+        axis->bins = fill_bins(axis, m, h);
+        make_first(out, i);
+    }
+    return HAFT_OK;
+}
+
+void haft_chaos_mixture_clear(chaos_mixture *mixture) {
+    for (size_t i = 0; i < HAFT_CHAOS_DIMENSION; i++) {
+        haft_memory_free(mixture->axis[i].bin);
+    }
+    haft_memory_free(mixture->memory);
+    *mixture = (chaos_mixture){0};
+}
+
+/* Logarithms of the weights, up to a constant, and the greatest. */
+static double weigh(const chaos_mixture *mixture, size_t i, const double *x, double *exponent) {
+    double factor = -0.5 / (mixture->h * mixture->h);
+    for (size_t j = 0; j < i; j++) {
+        const double *restrict c = mixture->axis[j].centre;
+        double at = x[j];
+        for (size_t k = 0; k < mixture->m; k++) {
+            double d = c[k] - at;
+            exponent[k] = (j == 0 ? 0 : exponent[k]) + d * d * factor;
+        }
+    }
+    double greatest = exponent[0];
+    for (size_t k = 1; k < mixture->m; k++) {
+        greatest = exponent[k] > greatest ? exponent[k] : greatest;
+    }
+    return greatest;
+}
+
+static size_t choose(const chaos_mixture *mixture, size_t i, double greatest,
+                     haft_chaos_work *work) {
+    const double *restrict c = mixture->axis[i].centre;
+    double least = greatest - NEGLIGIBLE - log((double)mixture->m);
+    size_t n = 0;
+    for (size_t k = 0; k < mixture->m; k++) {
+        work->chosen[n] = (uint32_t)k;
+        work->centre[n] = c[k];
+        work->weight[n] = work->exponent[k] - greatest;
+        n += work->exponent[k] >= least;
+    }
+    return n;
+}
+
+chaos_line haft_chaos_mixture_condition(const chaos_mixture *mixture, haft_chaos_work *work,
+                                        size_t i, const double *x) {
+    if (i == 0) {
+        return mixture->first[0];
+    }
+    double greatest = weigh(mixture, i, x, work->exponent);
+    size_t n = choose(mixture, i, greatest, work), padded = chaos_padded(n);
+    for (size_t k = n; k < padded; k++) {
+        work->centre[k] = work->centre[0];
+        work->weight[k] = 0;
+    }
+    haft_chaos_exponentials(padded, work->weight, work->weight);
+    for (size_t k = n; k < padded; k++) {
+        work->weight[k] = 0;
+    }
+    chaos_line line = {
+        .h = mixture->h, .n = padded, .centre = work->centre, .weight = work->weight};
+    set_limits(&line, n);
+    if (n > FEW) {
+        const chaos_axis *axis = &mixture->axis[i];
+        memset(work->rough_centre, 0, axis->bins * sizeof(double));
+        memset(work->rough_weight, 0, axis->bins * sizeof(double));
+        for (size_t k = 0; k < n; k++) {
+            size_t b = axis->bin[work->chosen[k]];
+            work->rough_weight[b] += work->weight[k];
+            work->rough_centre[b] += work->weight[k] * work->centre[k];
+        }
+        line.rough_n = close_bins(axis->bins, work->rough_centre, work->rough_weight);
+        line.rough_centre = work->rough_centre;
+        line.rough_weight = work->rough_weight;
+    }
+    return line;
+}
+
+haft_status haft_chaos_work_create(haft_chaos_work **out, const haft_chaos *chaos,
+                                   haft_error *error) {
+    haft_chaos_parts parts;
+    haft_chaos_get_parts(chaos, &parts);
+    size_t padded = chaos_padded(parts.m);
+    *out = NULL;
+    haft_chaos_work *work = haft_memory_alloc(1, sizeof *work, error);
+    if (work == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    work->exponent = haft_memory_alloc(3 * padded, sizeof(double), error);
+    work->chosen = haft_memory_alloc(padded, sizeof *work->chosen, error);
+    if (work->exponent == NULL || work->chosen == NULL) {
+        haft_chaos_work_destroy(&work);
+        return HAFT_ERROR_MEMORY;
+    }
+    work->centre = work->exponent + padded;
+    work->weight = work->centre + padded;
+    *out = work;
+    return HAFT_OK;
+}
+
+void haft_chaos_work_destroy(haft_chaos_work **work) {
+    if (work != NULL && *work != NULL) {
+        haft_memory_free((*work)->exponent);
+        haft_memory_free((*work)->chosen);
+        haft_memory_free(*work);
+        *work = NULL;
+    }
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Gaussian kernels of one bandwidth about m centres, and their conditional laws one coordinate at a
+ * time (private to the room). Coordinates are in the order of the Rosenblatt map. */
+#ifndef HAFT_CHAOS_MIXTURE_H
+#define HAFT_CHAOS_MIXTURE_H
+
+#include <stdint.h>
+
+#include "haft/chaos.h"
+
+enum { CHAOS_BIN_LIMIT = 256 };
+
+/* One coordinate of the centres. Bins of a quarter of the bandwidth (wider if they would be too
+ * many) stand in for the centres where a first guess is wanted. */
+typedef struct chaos_axis {
+    double *centre; /* [padded m] */
+    uint16_t *bin;  /* [padded m] */
+    size_t bins;
+} chaos_axis;
+
+/* A weighted sum of normals of bandwidth h on a line; borrows its arrays. */
+typedef struct chaos_line {
+    double h;
+    size_t n; /* padded */
+    const double *centre, *weight;
+    double total;     /* of the weights */
+    double low, high; /* of the centres that weigh */
+    size_t rough_n;   /* padded; the same, gathered in bins; 0: too few to be worth it */
+    const double *rough_centre, *rough_weight;
+} chaos_line;
+
+/* Arrays for one conditional law. */
+struct haft_chaos_work {
+    double *exponent, *centre, *weight; /* [padded m] */
+    uint32_t *chosen;                   /* [padded m] */
+    double rough_centre[CHAOS_BIN_LIMIT], rough_weight[CHAOS_BIN_LIMIT];
+};
+
+typedef struct chaos_mixture {
+    size_t m, directions;
+    double h;
+    double *memory;
+    chaos_axis axis[HAFT_CHAOS_DIMENSION];
+    double *equal;                          /* [padded m], weights before anything is known */
+    chaos_line first[HAFT_CHAOS_DIMENSION]; /* marginal law of each coordinate */
+    double *rough;                          /* what their bins hold */
+} chaos_mixture;
+
+/* Copies centres [m][directions]; coordinate i is column order[i], times scale. */
+haft_status haft_chaos_mixture_init(chaos_mixture *out, size_t m, size_t directions,
+                                    const double *centre, const size_t *order, double scale,
+                                    double h, haft_error *error) HAFT_MUST_CHECK;
+void haft_chaos_mixture_clear(chaos_mixture *mixture);
+
+/* The law of coordinate i given x[0 .. i - 1], in the work's arrays until its next use. */
+chaos_line haft_chaos_mixture_condition(const chaos_mixture *mixture, haft_chaos_work *work,
+                                        size_t i, const double *x);
+
+/* CDF at x and its complement, each to round-off of itself. */
+void haft_chaos_line_cdf(const chaos_line *line, double x, double *p, double *q);
+
+double haft_chaos_line_density(const chaos_line *line, double x);
+
+/* Where the CDF is p and its complement q; the smaller of the two counts. */
+double haft_chaos_line_quantile(const chaos_line *line, double p, double q);
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a model holds (private to the room). */
+#ifndef HAFT_CHAOS_MODEL_H
+#define HAFT_CHAOS_MODEL_H
+
+#include "chaos/basis.h"
+#include "chaos/mixture.h"
+#include "haft/chaos.h"
+
+struct haft_chaos {
+    haft_chaos_parts parts; /* its arrays are the model's own, below */
+    haft_law_vector *vector;
+    double *centre, *coefficient;
+    unsigned *index;
+    chaos_mixture mixture;
+    chaos_recurrence recurrence;
+    /* Coefficients of coordinate i of the map, which hangs on the first i + 1 germ variables alone:
+     * its terms in those, rising lexicographically. */
+    double *compact[HAFT_CHAOS_DIMENSION];
+};
+
+/* The numbers q holds before they are divided by sigma; NaN where the vector breaks the bounds. */
+void haft_chaos_raw_from_vector(haft_chaos_bounds bounds, double f_limit,
+                                const haft_law_vector *vector, double *raw);
+
+/* f_max / (2 a_left): the energy of a Morse law's left wing. */
+double haft_chaos_left_energy(const haft_law_vector *vector, double f_limit);
+
+/* A model with room for its arrays, the scalars of `parts` copied, centres and all else zero. */
+haft_status haft_chaos_alloc(haft_chaos **out, const haft_chaos_parts *parts,
+                             haft_error *error) HAFT_MUST_CHECK;
+
+/* Makes the mixture of the centres. */
+haft_status haft_chaos_place_kernels(haft_chaos *chaos, haft_error *error) HAFT_MUST_CHECK;
+
+/* Mean, covariance and principal components of q [m][4] into parts. */
+void haft_chaos_principal(size_t m, const double *q, haft_chaos_parts *parts);
+
+/* Components of which the covariance has a share above round-off. */
+size_t haft_chaos_rank(const haft_chaos_parts *parts);
+
+/* One work for each thread there may be. */
+typedef struct chaos_crew {
+    int threads;
+    haft_chaos_work **work;
+} chaos_crew;
+
+haft_status haft_chaos_crew_init(chaos_crew *crew, const haft_chaos *chaos,
+                                 haft_error *error) HAFT_MUST_CHECK;
+void haft_chaos_crew_clear(chaos_crew *crew);
+
+/* The inverse map at the tensor Gauss points: value[i] is coordinate i at points^(i + 1) points,
+ * the last direction running fastest. */
+haft_status haft_chaos_map_grid(const haft_chaos *chaos, size_t points,
+                                double *const value[HAFT_CHAOS_DIMENSION],
+                                haft_error *error) HAFT_MUST_CHECK;
+
+/* points^(i + 1). */
+size_t haft_chaos_grid_size(size_t points, size_t i);
+
+/* The expansion at CHAOS_TOGETHER germs x[i][lane], as coordinates of the map. */
+enum { CHAOS_TOGETHER = 8 };
+void haft_chaos_expand_lanes(const haft_chaos *chaos,
+                             double x[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER],
+                             double out[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER]);
+
+#endif
