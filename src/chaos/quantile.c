@@ -20,6 +20,7 @@ enum { EVALUATIONS = 400, FREE = 4 };
 #define FINE 1e-6
 #define ROUGH 1e-3
 #define LAST_BITS 4.5e-16
+#define STRONG 0.75
 
 typedef struct root {
     size_t n;
@@ -57,7 +58,8 @@ static void solve(root *r, double tolerance) {
         }
         double last = r->x, next = last + r->side * r->h * s.length;
         width[k] = r->high - r->low;
-        bool good = next >= r->low && next <= r->high; /* false for NaN */
+        /* False for NaN; a strongly curved step is that of a plain between humps. */
+        bool good = next >= r->low && next <= r->high && fabs(s.curvature) <= STRONG;
         if (good && fabs(s.length) <= tolerance && fabs(s.curvature) <= 10 * tolerance) {
             r->x = next;
             return;
