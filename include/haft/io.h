@@ -12,6 +12,7 @@
 #define HAFT_IO_H
 
 #include "haft/beam.h"
+#include "haft/chaos.h"
 #include "haft/contact.h"
 #include "haft/law.h"
 #include "haft/solve.h"
@@ -30,7 +31,22 @@ enum { HAFT_SWEPT_KEYS_MAX = 8, HAFT_VARIANTS_MAX = 1000, HAFT_LABEL_CAPACITY = 
 typedef enum haft_sampler {
     HAFT_SAMPLER_EXPLICIT, /**< patches cut from one seamless surface of the whole beam */
     HAFT_SAMPLER_PATCHES,  /**< independent patches */
+    HAFT_SAMPLER_GPCE, /**< this and the rest: drawn from a stochastic model of independent patches,
+                            as the haft_chaos_sampler of the same name says */
+    HAFT_SAMPLER_EXACT,
+    HAFT_SAMPLER_KERNEL,
+    HAFT_SAMPLER_BOOTSTRAP,
+    HAFT_SAMPLER_MEAN,
 } haft_sampler;
+
+/** Whether a sampler draws from a stochastic model. */
+bool haft_sampler_is_stochastic(haft_sampler sampler);
+
+/** Which principal component comes first in the Rosenblatt map. */
+typedef enum haft_component_order {
+    HAFT_COMPONENTS_FALLING, /**< the one of the largest variance */
+    HAFT_COMPONENTS_RISING,  /**< the one of the smallest */
+} haft_component_order;
 
 /** What is done with a curve that no Morse law fits. */
 typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
@@ -62,6 +78,11 @@ typedef struct haft_case {
         double f_limit; /**< [Pa] */
         haft_unfit unfit;
         haft_sampler sampler;
+        struct {
+            size_t vectors;       /**< patches the model is built from */
+            haft_chaos_spec spec; /**< but for f_limit and component_order */
+            haft_component_order component_order;
+        } chaos; /**< of a stochastic sampler */
     } law;
 
     haft_beam_spec beam;
@@ -103,10 +124,10 @@ typedef struct haft_case {
  *  right", and "and N more" where the message is full. A file that is no plain YAML document
  *  (syntax, anchors, tags, a second document, not UTF-8) is told by its first fault.
  *
- *  Absent: path, output, reference and load.limit take their defaults (load_limit INFINITY, the
- *  reference NaN); contact.capillary means dry contact (has_capillary false, its fields 0);
- *  beam.element_length is required for a uniform mesh alone (else 0). mesh.active_from is half of
- *  load.crack_length.
+ *  Absent: path, output, reference, law.chaos and load.limit take their defaults (load_limit
+ * INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary false, its
+ * fields 0); beam.element_length is required for a uniform mesh alone (else 0). mesh.active_from is
+ * half of load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);
@@ -131,25 +152,30 @@ haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) H
 haft_status haft_case_write(const haft_case *c, const char *path,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Digest of all that the laws depend on (surface, contact, f_limit, sampler, the beam's length and
- *  width, l_meso, realizations, seed, the program's version): what must not change for laws.h5 to
- *  stay valid. */
+/** Digest of all that the laws depend on (surface, contact, f_limit, the beam's width, l_meso,
+ * seed, the program's version; of a direct sampler the sampler, the beam's length and realizations;
+ * of a stochastic one law.chaos, whichever it is): what must not change for laws.h5 to stay valid.
+ */
 haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
                                   haft_error *error) HAFT_MUST_CHECK;
 
-/** Contents of laws.h5: m curves on n distances with what was read off them. */
+/** Contents of laws.h5: m curves on n distances with what was read off them, and the stochastic
+ *  model built from them, if there is one. */
 typedef struct haft_laws {
     size_t m, n;
-    size_t sites;            /**< laws a realization: law k of realization j is j * sites + k */
-    double f_limit;          /**< [Pa] */
-    double *distance;        /**< n [m] */
-    double *force;           /**< m x n [Pa] */
-    haft_law_vector *vector; /**< m; NaN where the fault forbids it */
-    haft_law_fault *fault;   /**< m */
-    double *zero_distance;   /**< m: zero-force distance [m], NaN if none */
-    double *contact_area;    /**< m: there, share of the area */
-    double *wet_area;        /**< m */
-    double *asperities;      /**< m: in contact, a patch */
+    size_t sites;             /**< laws a realization: law k of realization j is j * sites + k; m
+                                   where a model was built from them */
+    double f_limit;           /**< [Pa] */
+    double *distance;         /**< n [m] */
+    double *force;            /**< m x n [Pa] */
+    haft_law_vector *vector;  /**< m; NaN where the fault forbids it */
+    haft_law_fault *fault;    /**< m */
+    double *zero_distance;    /**< m: zero-force distance [m], NaN if none */
+    double *contact_area;     /**< m: there, share of the area */
+    double *wet_area;         /**< m */
+    double *asperities;       /**< m: in contact, a patch */
+    haft_chaos *chaos;        /**< of the sound vectors; NULL without a model. Owned */
+    haft_chaos_errors errors; /**< of its expansion */
 } haft_laws;
 
 haft_status haft_laws_create(haft_laws **out, size_t m, size_t n,
@@ -172,6 +198,15 @@ haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const cha
  *  message says how to build it anew. */
 haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,
                            haft_error *error) HAFT_MUST_CHECK;
+
+/** Reads law vectors from CSV. Its first line names the columns with their units, "e [mJ/m2]",
+ * "f_max [MPa]", "d_max [nm]", "d_limit [nm]", in any order; other columns are passed over, save
+ * that lines with anything but 0 under "fault" are left out: so the laws.csv of a case can be read.
+ *  @param[out] vector [*m], SI; to be freed with haft_memory_free()
+ *  @return HAFT_ERROR_IO, or HAFT_ERROR_INPUT with file, line and column name. Loads a units
+ *  database: one thread at a time. */
+haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *path,
+                              haft_error *error) HAFT_MUST_CHECK;
 
 /** One row of results.h5's /summary. */
 typedef struct haft_summary {

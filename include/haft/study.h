@@ -34,7 +34,9 @@ haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c,
 size_t haft_study_block_patches(const haft_case *c);
 
 /** f(d) and law vector of every patch of every realization, in parallel over blocks; the same bits
- *  for any number of threads. @return HAFT_ERROR_INTERRUPTED if stopped, with *out NULL. */
+ *  for any number of threads. With a stochastic sampler instead: those of law.chaos.vectors
+ *  independent patches, and the model built from them.
+ *  @return HAFT_ERROR_INTERRUPTED if stopped, with *out NULL. */
 haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
                                   const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
 
@@ -45,6 +47,35 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
                                    const haft_case *c, const char *path,
                                    const haft_progress *progress,
                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** Builds the stochastic model of a case from the sound vectors of `laws`, with the errors of its
+ *  expansion, into laws->chaos and laws->errors.
+ *  @return HAFT_ERROR_INPUT if the vectors or the choices do not make a model: the message says
+ *  what would. */
+haft_status haft_study_build_chaos(haft_laws *laws, const haft_case *c,
+                                   haft_error *error) HAFT_MUST_CHECK;
+
+/** Laws without curves: vectors measured elsewhere, and the model built from them by the case's
+ *  choices. A vector that has no Morse law is counted by its fault and left out of the model. */
+haft_status haft_study_fit_laws(haft_laws **out, const haft_case *c, size_t m,
+                                const haft_law_vector *vector, haft_error *error) HAFT_MUST_CHECK;
+
+/** Vectors of sites 0 .. n - 1 of a realization, drawn from the model by the case's sampler.
+ *  @param[out] vector [n]
+ *  @return HAFT_ERROR_INPUT if the case's sampler is no stochastic one. Thread-safe. */
+haft_status haft_study_draw(const haft_laws *laws, const haft_case *c, size_t realization, size_t n,
+                            haft_law_vector *vector, haft_error *error) HAFT_MUST_CHECK;
+
+/** Draws n vectors, those of sites 0 .. n - 1 of realization 0, by the case's sampler and writes
+ *  them as CSV. @return HAFT_ERROR_INPUT if the case's sampler is no stochastic one. */
+haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, size_t n,
+                                    const char *path, haft_error *error) HAFT_MUST_CHECK;
+
+/** How many patches stand behind a case's laws: realizations times sites, or those of the model. */
+size_t haft_study_law_count(const haft_case *c);
+
+/** Sites of a case's beam. */
+size_t haft_study_sites(const haft_case *c);
 
 /** How many laws of a set carry each fault. Thread-safe. */
 void haft_study_count_faults(const haft_laws *laws, size_t count[HAFT_LAW_FAULTS]);
@@ -57,7 +88,9 @@ typedef struct haft_site_laws {
     haft_law_vector *vector;
 } haft_site_laws;
 
-/** @return HAFT_ERROR_INPUT if a curve cannot be used and the case says stop, naming the site. */
+/** Those of the patches, or drawn from the model where the case's sampler is a stochastic one.
+ *  @return HAFT_ERROR_INPUT if a curve cannot be used and the case says stop, or if a drawn vector
+ *  has no Morse law (as the paper's bounds allow), naming the site. Thread-safe. */
 haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
                                  size_t realization, haft_error *error) HAFT_MUST_CHECK;
 void haft_site_laws_destroy(haft_site_laws **laws);

@@ -22,6 +22,14 @@ typedef enum haft_key_type {
     HAFT_KEY_EVIDENCE, /* a list of realizations, or "all" */
 } haft_key_type;
 
+/* What the laws depend on. */
+typedef enum haft_laws_need {
+    HAFT_LAWS_NEVER,
+    HAFT_LAWS_ALWAYS,
+    HAFT_LAWS_DIRECT, /* where each beam has its own */
+    HAFT_LAWS_CHAOS,  /* where a stochastic model is built from them */
+} haft_laws_need;
+
 /* One key: where it is written, what it may hold and where it goes. */
 typedef struct haft_key {
     const char *path; /* dotted */
@@ -36,7 +44,7 @@ typedef struct haft_key {
     const char *example;        /* shown when the key is missing or of the wrong type */
     size_t offset;              /* in haft_case */
     size_t count;               /* reals in a list; 0: no list */
-    bool laws;                  /* the laws depend on it */
+    int laws;                   /* whether the laws depend on it: a haft_laws_need */
 } haft_key;
 
 typedef enum haft_section_kind {
@@ -56,7 +64,7 @@ extern const haft_section haft_case_sections[];
 extern const size_t haft_case_section_count;
 
 /* Bounds on how many keys and sections there are, for arrays beside them. */
-enum { HAFT_KEYS_MAX = 64, HAFT_SECTIONS_MAX = 16 };
+enum { HAFT_KEYS_MAX = 96, HAFT_SECTIONS_MAX = 16 };
 
 /* Place of a dotted path among the keys or sections, or -1. */
 int haft_case_find_key(const char *path);

@@ -231,6 +231,25 @@ static void check_distance(haft_case_reader *reader) {
     }
 }
 
+static void check_chaos(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    if (!sound(reader, "law.sampler") || !haft_sampler_is_stochastic(c->law.sampler)) {
+        return;
+    }
+    if (sound(reader, "law.kind") && c->law.kind == HAFT_LAW_TABLE) {
+        WRONG(reader, "law.kind",
+              "table needs curves, and a stochastic sampler draws law vectors; give morse, or "
+              "law.sampler: explicit");
+    }
+    size_t order = c->law.chaos.spec.order, points = c->law.chaos.spec.points;
+    if (sound(reader, "law.chaos.points") && sound(reader, "law.chaos.order") && points != 0 &&
+        points <= order) {
+        WRONG(reader, "law.chaos.points",
+              "%zu points a direction cannot tell order %zu; give %zu at least, or 0 for as many",
+              points, order, order + 1);
+    }
+}
+
 static void check_evidence(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     if (!sound(reader, "output.evidence") || !sound(reader, "study.realizations")) {
@@ -255,5 +274,6 @@ void haft_case_cross_check(haft_case_reader *reader) {
     }
     check_load(reader);
     check_distance(reader);
+    check_chaos(reader);
     check_evidence(reader);
 }

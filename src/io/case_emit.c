@@ -19,6 +19,10 @@ static bool is_present(const haft_case *c, const haft_key *key) {
     if (!c->contact.has_capillary && haft_case_is_member(key->path, "contact.capillary")) {
         return false;
     }
+    if (!haft_sampler_is_stochastic(c->law.sampler) &&
+        haft_case_is_member(key->path, "law.chaos")) {
+        return false;
+    }
     if (key->fallback == NULL || strcmp(key->fallback, "none") != 0) {
         return true;
     }
@@ -132,10 +136,12 @@ static void write_case(FILE *stream, const haft_case *c) {
 
 /* What the laws depend on, a line each; a new version of the program may compute them otherwise. */
 static void write_laws_inputs(FILE *stream, const haft_case *c) {
+    bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
+    haft_laws_need other = stochastic ? HAFT_LAWS_CHAOS : HAFT_LAWS_DIRECT;
     fprintf(stream, "haft: %s\n", haft_version());
     for (size_t i = 0; i < haft_case_key_count; i++) {
         const haft_key *key = &haft_case_keys[i];
-        if (key->laws && is_present(c, key)) {
+        if ((key->laws == HAFT_LAWS_ALWAYS || key->laws == (int)other) && is_present(c, key)) {
             fprintf(stream, "%s: ", key->path);
             write_value(stream, c, key);
             fputc('\n', stream);

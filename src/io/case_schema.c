@@ -14,7 +14,12 @@
 static const char *const asperities[] = {"summits", "islands", NULL};
 static const char *const kinds[] = {"morse", "table", NULL};
 static const char *const unfits[] = {"table", "stop", NULL};
-static const char *const samplers[] = {"explicit", "patches", NULL};
+static const char *const samplers[] = {"explicit", "patches",   "gpce", "exact",
+                                       "kernel",   "bootstrap", "mean", NULL};
+static const char *const germs[] = {"legendre", "hermite", "jacobi", NULL};
+static const char *const kernels[] = {"scott", "preserving", NULL};
+static const char *const bounds[] = {"strict", "paper", NULL};
+static const char *const component_orders[] = {"falling", "rising", NULL};
 static const char *const meshes[] = {"uniform", "exact", "active", NULL};
 
 /* A choice is stored through an int, and a pair as two doubles in a row. */
@@ -26,7 +31,15 @@ _Static_assert(sizeof(haft_mesh_kind) == sizeof(int), "enums are ints");
 _Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
 _Static_assert(HAFT_LAW_MORSE == 0 && HAFT_LAW_TABLE == 1, "order of choices");
 _Static_assert(HAFT_UNFIT_TABLE == 0 && HAFT_UNFIT_STOP == 1, "order of choices");
-_Static_assert(HAFT_SAMPLER_EXPLICIT == 0 && HAFT_SAMPLER_PATCHES == 1, "order of choices");
+_Static_assert(HAFT_SAMPLER_EXPLICIT == 0 && HAFT_SAMPLER_PATCHES == 1 && HAFT_SAMPLER_GPCE == 2 &&
+                   HAFT_SAMPLER_EXACT == 3 && HAFT_SAMPLER_KERNEL == 4 &&
+                   HAFT_SAMPLER_BOOTSTRAP == 5 && HAFT_SAMPLER_MEAN == 6,
+               "order of choices");
+_Static_assert(HAFT_CHAOS_GERM_LEGENDRE == 0 && HAFT_CHAOS_GERM_HERMITE == 1 &&
+                   HAFT_CHAOS_GERM_JACOBI == 2 && HAFT_CHAOS_KERNEL_SCOTT == 0 &&
+                   HAFT_CHAOS_KERNEL_PRESERVING == 1 && HAFT_CHAOS_BOUNDS_STRICT == 0 &&
+                   HAFT_CHAOS_BOUNDS_PAPER == 1,
+               "order of choices");
 _Static_assert(HAFT_MESH_UNIFORM == 0 && HAFT_MESH_EXACT == 1 && HAFT_MESH_ACTIVE == 2,
                "order of choices");
 _Static_assert(offsetof(haft_capillary_spec, contact_angle_2) ==
@@ -39,6 +52,7 @@ const haft_section haft_case_sections[] = {
     {"contact.capillary", HAFT_SECTION_SWITCH},
     {"contact.distance", HAFT_SECTION_REQUIRED},
     {"law", HAFT_SECTION_REQUIRED},
+    {"law.chaos", HAFT_SECTION_OPTIONAL},
     {"beam", HAFT_SECTION_REQUIRED},
     {"load", HAFT_SECTION_REQUIRED},
     {"path", HAFT_SECTION_OPTIONAL},
@@ -63,60 +77,87 @@ const haft_key haft_case_keys[] = {
      .fallback = "",
      .example = "My case",
      .offset = AT(title)},
-    {.path = "seed", .type = HAFT_KEY_SEED, .example = "1", .offset = AT(seed), .laws = true},
+    {.path = "seed",
+     .type = HAFT_KEY_SEED,
+     .example = "1",
+     .offset = AT(seed),
+     .laws = HAFT_LAWS_ALWAYS},
 
     REAL("surface.zeta_max", "rad/m", POSITIVE, .example = "289 rad/um",
-         .offset = AT(surface.psd.zeta_max), .laws = true),
+         .offset = AT(surface.psd.zeta_max), .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.zeta_0", "rad/m", POSITIVE, .example = "19.4 rad/um",
-         .offset = AT(surface.psd.zeta_0), .laws = true),
+         .offset = AT(surface.psd.zeta_0), .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.s_0", "m^4", POSITIVE, .example = "6.46e3 nm^4", .offset = AT(surface.psd.s_0),
-         .laws = true),
+         .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.s_1", "m^4", POSITIVE, .example = "6.46e-3 nm^4", .offset = AT(surface.psd.s_1),
-         .laws = true),
+         .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.grid_step", "m", POSITIVE, .example = "5 nm", .offset = AT(surface.grid_step),
-         .laws = true),
+         .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.kernel_tolerance", "1", SHARE, .fallback = "1e-5", .example = "1e-5",
-         .offset = AT(surface.kernel_tolerance), .laws = true),
+         .offset = AT(surface.kernel_tolerance), .laws = HAFT_LAWS_ALWAYS),
 
     CHOICE("contact.asperities", asperities, .example = "islands", .offset = AT(contact.asperities),
-           .laws = true),
+           .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.young_modulus", "Pa", POSITIVE, .example = "163 GPa",
-         .offset = AT(contact.young_modulus), .laws = true),
+         .offset = AT(contact.young_modulus), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.poisson_ratio", "1", .low = 0, .low_in = true, .high = 0.5, .example = "0.22",
-         .offset = AT(contact.poisson_ratio), .laws = true),
+         .offset = AT(contact.poisson_ratio), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.humidity", "1", SHARE, .example = "85 %",
-         .offset = AT(contact.capillary.humidity), .laws = true),
+         .offset = AT(contact.capillary.humidity), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.temperature", "K", POSITIVE, .fallback = "300 K", .example = "300 K",
-         .offset = AT(contact.capillary.temperature), .laws = true),
+         .offset = AT(contact.capillary.temperature), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.surface_energy", "N/m", POSITIVE, .fallback = "72 mN/m",
-         .example = "72 mN/m", .offset = AT(contact.capillary.surface_energy), .laws = true),
+         .example = "72 mN/m", .offset = AT(contact.capillary.surface_energy),
+         .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.molar_volume", "m^3/mol", POSITIVE, .fallback = "18 cm^3/mol",
-         .example = "18 cm^3/mol", .offset = AT(contact.capillary.molar_volume), .laws = true),
+         .example = "18 cm^3/mol", .offset = AT(contact.capillary.molar_volume),
+         .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.contact_angles", "rad", .low = 0, .low_in = true,
          .high = 1.5707963267948966, .count = 2, .fallback = "0 deg", .example = "[0 deg, 0 deg]",
-         .offset = AT(contact.capillary.contact_angle_1), .laws = true),
+         .offset = AT(contact.capillary.contact_angle_1), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.from", "m", .low = 0, .low_in = true, .high = INFINITY,
-         .example = "3 nm", .offset = AT(contact.distance_from), .laws = true),
+         .example = "3 nm", .offset = AT(contact.distance_from), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.to", "m", POSITIVE, .example = "28 nm",
-         .offset = AT(contact.distance_to), .laws = true),
+         .offset = AT(contact.distance_to), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.step", "m", POSITIVE, .example = "0.1 nm",
-         .offset = AT(contact.distance_step), .laws = true),
+         .offset = AT(contact.distance_step), .laws = HAFT_LAWS_ALWAYS),
 
     CHOICE("law.kind", kinds, .example = "morse", .offset = AT(law.kind)),
     REAL("law.f_limit", "Pa", POSITIVE, .example = "5 MPa", .offset = AT(law.f_limit),
-         .laws = true),
+         .laws = HAFT_LAWS_ALWAYS),
     CHOICE("law.unfit", unfits, .fallback = "table", .example = "table", .offset = AT(law.unfit)),
     CHOICE("law.sampler", samplers, .fallback = "explicit", .example = "explicit",
-           .offset = AT(law.sampler), .laws = true),
+           .offset = AT(law.sampler), .laws = HAFT_LAWS_DIRECT),
+
+    COUNT("law.chaos.vectors", .low = 10, .high = 1e6, .fallback = "5000", .example = "5000",
+          .offset = AT(law.chaos.vectors), .laws = HAFT_LAWS_CHAOS),
+    CHOICE("law.chaos.bounds", bounds, .fallback = "strict", .example = "strict",
+           .offset = AT(law.chaos.spec.bounds), .laws = HAFT_LAWS_CHAOS),
+    COUNT("law.chaos.components", .low = 0, .high = HAFT_CHAOS_DIMENSION, .fallback = "0",
+          .example = "3", .offset = AT(law.chaos.spec.components), .laws = HAFT_LAWS_CHAOS),
+    REAL("law.chaos.epsilon", "1", SHARE, .fallback = "0.1 %", .example = "0.1 %",
+         .offset = AT(law.chaos.spec.epsilon), .laws = HAFT_LAWS_CHAOS),
+    CHOICE("law.chaos.component_order", component_orders, .fallback = "falling",
+           .example = "falling", .offset = AT(law.chaos.component_order), .laws = HAFT_LAWS_CHAOS),
+    CHOICE("law.chaos.kernel", kernels, .fallback = "scott", .example = "scott",
+           .offset = AT(law.chaos.spec.kernel), .laws = HAFT_LAWS_CHAOS),
+    CHOICE("law.chaos.germ", germs, .fallback = "legendre", .example = "legendre",
+           .offset = AT(law.chaos.spec.germ), .laws = HAFT_LAWS_CHAOS),
+    COUNT("law.chaos.order", .low = 0, .high = HAFT_CHAOS_ORDER_LIMIT, .fallback = "12",
+          .example = "12", .offset = AT(law.chaos.spec.order), .laws = HAFT_LAWS_CHAOS),
+    COUNT("law.chaos.points", .low = 0, .high = HAFT_CHAOS_POINTS_LIMIT, .fallback = "0",
+          .example = "13", .offset = AT(law.chaos.spec.points), .laws = HAFT_LAWS_CHAOS),
 
     REAL("beam.length", "m", POSITIVE, .example = "600 um", .offset = AT(beam.length),
-         .laws = true),
-    REAL("beam.width", "m", POSITIVE, .example = "30 um", .offset = AT(beam.width), .laws = true),
+         .laws = HAFT_LAWS_DIRECT),
+    REAL("beam.width", "m", POSITIVE, .example = "30 um", .offset = AT(beam.width),
+         .laws = HAFT_LAWS_ALWAYS),
     REAL("beam.thickness", "m", POSITIVE, .example = "2.62 um", .offset = AT(beam.thickness)),
     REAL("beam.gap", "m", POSITIVE, .example = "1.9 um", .offset = AT(beam.gap)),
     REAL("beam.young_modulus", "Pa", POSITIVE, .example = "163 GPa",
          .offset = AT(beam.young_modulus)),
-    REAL("beam.l_meso", "m", POSITIVE, .example = "3 um", .offset = AT(mesh.l_meso), .laws = true),
+    REAL("beam.l_meso", "m", POSITIVE, .example = "3 um", .offset = AT(mesh.l_meso),
+         .laws = HAFT_LAWS_ALWAYS),
     CHOICE("beam.mesh", meshes, .fallback = "uniform", .example = "uniform",
            .offset = AT(mesh.kind)),
     /* Required for a uniform mesh alone: see the cross checks. */
@@ -143,7 +184,7 @@ const haft_key haft_case_keys[] = {
           .offset = AT(path.step_limit)),
 
     COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations),
-          .laws = true),
+          .laws = HAFT_LAWS_DIRECT),
 
     {.path = "output.evidence",
      .type = HAFT_KEY_EVIDENCE,
@@ -168,6 +209,10 @@ const size_t haft_case_key_count = sizeof haft_case_keys / sizeof *haft_case_key
 _Static_assert(sizeof haft_case_keys / sizeof *haft_case_keys <= HAFT_KEYS_MAX, "room for keys");
 _Static_assert(sizeof haft_case_sections / sizeof *haft_case_sections <= HAFT_SECTIONS_MAX,
                "room for sections");
+
+bool haft_sampler_is_stochastic(haft_sampler sampler) {
+    return sampler >= HAFT_SAMPLER_GPCE;
+}
 
 void haft_case_preset(haft_case *c) {
     c->programme.load_limit = INFINITY;

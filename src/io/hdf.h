@@ -97,6 +97,14 @@ void haft_hdf_read_text(haft_hdf *hdf, const char *object, const char *name, cha
 void haft_hdf_read_real(haft_hdf *hdf, const char *object, const char *name, double *value);
 void haft_hdf_read_count(haft_hdf *hdf, const char *object, const char *name, uint64_t *value);
 
+/* Columns of law vectors. */
+extern const haft_hdf_column haft_hdf_vector_columns[HAFT_CHAOS_DIMENSION];
+
+/* ---- laws_chaos.c: the group /chaos of laws.h5 ---- */
+
+void haft_laws_write_chaos(haft_hdf *hdf, const haft_laws *laws);
+void haft_laws_read_chaos(haft_hdf *hdf, haft_laws *laws);
+
 /* The checked header in front of a file: HDF5 skips it as its user block. */
 enum { HAFT_HDF_HEADER = 512, HAFT_HDF_LAYOUT = 1 };
 void haft_hdf_make_header(char header[HAFT_HDF_HEADER], uint64_t size, const char *digest);

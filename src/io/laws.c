@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const haft_hdf_column vector_columns[] = {
+const haft_hdf_column haft_hdf_vector_columns[HAFT_CHAOS_DIMENSION] = {
     {"e", HAFT_HDF_REAL, offsetof(haft_law_vector, e), "J/m^2",
      "energy of the attractive part; NaN where the fault forbids it"},
     {"f_max", HAFT_HDF_REAL, offsetof(haft_law_vector, f_max), "Pa", "greatest pull"},
@@ -15,7 +15,6 @@ static const haft_hdf_column vector_columns[] = {
     {"d_limit", HAFT_HDF_REAL, offsetof(haft_law_vector, d_limit), "m",
      "gap at which the push reaches f_limit"},
 };
-enum { VECTOR_COLUMNS = sizeof vector_columns / sizeof *vector_columns };
 
 /* Numbers a curve, one row each. */
 typedef struct curve_row {
@@ -63,6 +62,9 @@ haft_status haft_laws_create(haft_laws **out, size_t m, size_t n, haft_error *er
         haft_laws_destroy(&laws);
         return HAFT_ERROR_MEMORY;
     }
+    for (size_t i = 0; n == 0 && i < CURVE_ROWS * m; i++) {
+        row_of(laws, &curve_rows[i / m])[i % m] = NAN; /* nothing to read off no curves */
+    }
     *out = laws;
     return HAFT_OK;
 }
@@ -80,6 +82,7 @@ void haft_laws_destroy(haft_laws **laws) {
     haft_memory_free(l->contact_area);
     haft_memory_free(l->wet_area);
     haft_memory_free(l->asperities);
+    haft_chaos_destroy(&l->chaos);
     haft_memory_free(l);
     *laws = NULL;
 }
@@ -101,7 +104,7 @@ static void write_fault(haft_hdf *hdf, const haft_laws *laws) {
     haft_hdf_write_text(hdf, "/laws/fault", "names", names);
 }
 
-static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
+static void write_curves(haft_hdf *hdf, const haft_laws *laws) {
     hsize_t dims[2] = {laws->m, laws->n};
     haft_hdf_write(hdf, "/curves/distance", HAFT_HDF_REAL, 1, dims + 1, laws->distance, "m",
                    "gap between the plane and the mean plane of the patch");
@@ -113,18 +116,28 @@ static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
         haft_hdf_write(hdf, path, HAFT_HDF_REAL, 1, dims, row_of(laws, &curve_rows[i]),
                        curve_rows[i].unit, curve_rows[i].description);
     }
-    haft_hdf_write_columns(hdf, "/laws", VECTOR_COLUMNS, vector_columns, laws->vector,
-                           sizeof *laws->vector, laws->m);
+}
+
+static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
+    if (laws->n > 0) {
+        write_curves(hdf, laws);
+    }
+    haft_hdf_write_columns(hdf, "/laws", HAFT_CHAOS_DIMENSION, haft_hdf_vector_columns,
+                           laws->vector, sizeof *laws->vector, laws->m);
     write_fault(hdf, laws);
     haft_hdf_write_real(hdf, "/laws", "f_limit", laws->f_limit);
     haft_hdf_write_text(hdf, "/laws", "f_limit_unit", "Pa");
     haft_hdf_write_count(hdf, "/laws", "sites", laws->sites);
+    if (laws->chaos != NULL) {
+        haft_laws_write_chaos(hdf, laws);
+    }
 }
 
 haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const char *path,
                             haft_error *error) {
     char digest[HAFT_DIGEST_CAPACITY];
-    if (laws->m == 0 || laws->n == 0 || laws->sites == 0 || laws->m % laws->sites != 0) {
+    if (laws->m == 0 || (laws->n == 0 && laws->chaos == NULL) || laws->sites == 0 ||
+        laws->m % laws->sites != 0) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                               "%s: %zu laws of %zu points are no whole number of realizations of "
                               "%zu sites",
@@ -190,20 +203,8 @@ static void check_vectors(haft_hdf *hdf, const haft_laws *laws) {
     }
 }
 
-static void read_laws(haft_hdf *hdf, haft_laws **out) {
-    size_t dims[2];
-    uint64_t sites = 0;
-    haft_hdf_shape(hdf, "/curves/force", 2, dims);
-    if (hdf->status == HAFT_OK && (dims[0] == 0 || dims[1] < 2)) {
-        haft_hdf_refuse(hdf, "holds no curves");
-    }
-    if (hdf->status == HAFT_OK) {
-        hdf->status = haft_laws_create(out, dims[0], dims[1], hdf->error);
-    }
-    if (hdf->status != HAFT_OK) {
-        return;
-    }
-    haft_laws *laws = *out;
+static void read_curves(haft_hdf *hdf, haft_laws *laws) {
+    size_t dims[2] = {laws->m, laws->n};
     haft_hdf_read(hdf, "/curves/distance", HAFT_HDF_REAL, 1, dims + 1, laws->distance);
     haft_hdf_read(hdf, "/curves/force", HAFT_HDF_REAL, 2, dims, laws->force);
     for (int i = 0; i < CURVE_ROWS; i++) {
@@ -211,7 +212,39 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
         snprintf(path, sizeof path, "/curves/%s", curve_rows[i].name);
         haft_hdf_read(hdf, path, HAFT_HDF_REAL, 1, dims, row_of(laws, &curve_rows[i]));
     }
-    haft_hdf_read_columns(hdf, "/laws", VECTOR_COLUMNS, vector_columns, laws->vector,
+}
+
+/* Makes room for what the file holds; a model fitted to vectors alone has no curves. */
+static void create_read(haft_hdf *hdf, haft_laws **out) {
+    size_t dims[2] = {0, 0};
+    if (haft_hdf_has(hdf, "/curves/force") || !haft_hdf_has(hdf, "/chaos")) {
+        haft_hdf_shape(hdf, "/curves/force", 2, dims);
+        if (hdf->status == HAFT_OK && (dims[0] == 0 || dims[1] < 2)) {
+            haft_hdf_refuse(hdf, "holds no curves");
+        }
+    } else {
+        haft_hdf_shape(hdf, "/laws/fault", 1, dims);
+        if (hdf->status == HAFT_OK && dims[0] == 0) {
+            haft_hdf_refuse(hdf, "holds no laws");
+        }
+    }
+    if (hdf->status == HAFT_OK) {
+        hdf->status = haft_laws_create(out, dims[0], dims[1], hdf->error);
+    }
+}
+
+static void read_laws(haft_hdf *hdf, haft_laws **out) {
+    uint64_t sites = 0;
+    create_read(hdf, out);
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    haft_laws *laws = *out;
+    size_t dims[1] = {laws->m};
+    if (laws->n > 0) {
+        read_curves(hdf, laws);
+    }
+    haft_hdf_read_columns(hdf, "/laws", HAFT_CHAOS_DIMENSION, haft_hdf_vector_columns, laws->vector,
                           sizeof *laws->vector, laws->m);
     haft_hdf_read(hdf, "/laws/fault", HAFT_HDF_INT, 1, dims, laws->fault);
     haft_hdf_read_real(hdf, "/laws", "f_limit", &laws->f_limit);
@@ -228,6 +261,9 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     laws->sites = (size_t)sites;
     check_curves(hdf, laws);
     check_vectors(hdf, laws);
+    if (hdf->status == HAFT_OK && haft_hdf_has(hdf, "/chaos")) {
+        haft_laws_read_chaos(hdf, laws);
+    }
 }
 
 haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,

@@ -26,7 +26,7 @@ haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, 
 }
 
 size_t haft_study_block_patches(const haft_case *c) {
-    if (c->law.sampler == HAFT_SAMPLER_PATCHES) {
+    if (c->law.sampler != HAFT_SAMPLER_EXPLICIT) {
         return 1;
     }
     double patches = floor(BLOCK_LENGTH / c->mesh.l_meso * (1 + 1e-9));
@@ -41,8 +41,21 @@ static size_t columns_of(const haft_case *c) {
     return (size_t)llround(c->beam.width / c->surface.grid_step);
 }
 
-static size_t sites_of(const haft_case *c) {
+size_t haft_study_sites(const haft_case *c) {
     return (size_t)llround(c->beam.length / c->mesh.l_meso);
+}
+
+/* A set of patches for each realization, or one for the model. */
+static size_t sets_of(const haft_case *c) {
+    return haft_sampler_is_stochastic(c->law.sampler) ? 1 : c->realizations;
+}
+
+static size_t patches_of_set(const haft_case *c) {
+    return haft_sampler_is_stochastic(c->law.sampler) ? c->law.chaos.vectors : haft_study_sites(c);
+}
+
+size_t haft_study_law_count(const haft_case *c) {
+    return sets_of(c) * patches_of_set(c);
 }
 
 haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c, size_t patches,
@@ -159,7 +172,7 @@ static bool stopped(const haft_progress *progress) {
 
 /* Deals out the blocks; the first failure by task number is the one told. */
 static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_error *error) {
-    long tasks = (long)(b->c->realizations * b->blocks), failed_task = tasks;
+    long tasks = (long)(sets_of(b->c) * b->blocks), failed_task = tasks;
     haft_status result = HAFT_OK;
     bool halt = false;
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
@@ -201,7 +214,7 @@ static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_er
 }
 
 static haft_status run_build(build *b, haft_error *error) {
-    size_t tasks = b->c->realizations * b->blocks;
+    size_t tasks = sets_of(b->c) * b->blocks;
     int threads = omp_get_max_threads();
     threads = (size_t)threads < tasks ? threads : (int)tasks;
     worker *workers = haft_memory_alloc((size_t)threads, sizeof *workers, error);
@@ -232,9 +245,9 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
     }
     double span = c->contact.distance_to - c->contact.distance_from;
     size_t n = (size_t)llround(span / c->contact.distance_step) + 1;
-    status = haft_laws_create(&b.laws, c->realizations * sites_of(c), n, error);
+    status = haft_laws_create(&b.laws, haft_study_law_count(c), n, error);
     if (status == HAFT_OK) {
-        b.laws->sites = sites_of(c);
+        b.laws->sites = patches_of_set(c);
         b.laws->f_limit = c->law.f_limit;
         b.blocks = (b.laws->sites + b.block_patches - 1) / b.block_patches;
         for (size_t i = 0; i < n; i++) {
@@ -244,6 +257,9 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
     }
     if (status == HAFT_OK) {
         status = run_build(&b, error);
+    }
+    if (status == HAFT_OK && haft_sampler_is_stochastic(c->law.sampler)) {
+        status = haft_study_build_chaos(b.laws, c, error);
     }
     haft_surface_plan_destroy(&b.plan);
     if (status != HAFT_OK) {

@@ -2,7 +2,6 @@
 /* Laws are built once: a file built from the same inputs is read, any other is built anew. */
 #include "haft/study.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,8 +13,10 @@ static void tell(const haft_progress *progress, const char *text) {
 }
 
 static bool shapes_agree(const haft_laws *laws, const haft_case *c) {
-    size_t sites = (size_t)llround(c->beam.length / c->mesh.l_meso);
-    return laws->sites == sites && laws->m == sites * c->realizations;
+    bool drawn = haft_sampler_is_stochastic(c->law.sampler);
+    size_t sites = haft_study_sites(c);
+    return drawn == (laws->chaos != NULL) &&
+           (drawn || (laws->sites == sites && laws->m == sites * c->realizations));
 }
 
 haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],

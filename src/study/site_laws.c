@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The laws of one beam: Morse where it fits, the curve itself where it does not or is asked for. */
+/* The laws of one beam: of its patches, Morse where it fits, the curve itself where it does not or
+ * is asked for; or drawn from the model. */
 #include "haft/study.h"
 
 #include <math.h>
@@ -42,6 +43,31 @@ static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_la
     return make_table(s, laws, r, k, error);
 }
 
+/* The vectors of a realization from the model, and their Morse laws. */
+static haft_status draw_laws(haft_site_laws *s, const haft_case *c, const haft_laws *laws,
+                             size_t realization, haft_error *error) {
+    haft_status status = haft_study_draw(laws, c, realization, s->sites, s->vector, error);
+    for (size_t r = 0; r < s->sites && status == HAFT_OK; r++) {
+        haft_law_fault fault = haft_law_morse(&s->law[r], &s->vector[r], laws->f_limit);
+        if (fault != HAFT_LAW_SOUND) {
+            status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                    "the vector drawn for site %zu has no Morse law (%s); set "
+                                    "law.chaos.bounds: strict, which draws none such",
+                                    r, haft_law_fault_name(fault));
+        }
+    }
+    return status;
+}
+
+static haft_status take_laws(haft_site_laws *s, const haft_case *c, const haft_laws *laws,
+                             size_t realization, haft_error *error) {
+    haft_status status = HAFT_OK;
+    for (size_t r = 0; r < s->sites && status == HAFT_OK; r++) {
+        status = make_law(s, c, laws, r, realization * laws->sites + r, error);
+    }
+    return status;
+}
+
 haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
                                  size_t realization, haft_error *error) {
     *out = NULL;
@@ -49,13 +75,14 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
     if (s == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    s->sites = laws->sites;
+    bool drawn = haft_sampler_is_stochastic(c->law.sampler);
+    s->sites = drawn ? haft_study_sites(c) : laws->sites;
     s->law = haft_memory_alloc(s->sites, sizeof *s->law, error);
     s->table = haft_memory_alloc(s->sites, sizeof *s->table, error);
     s->vector = haft_memory_alloc(s->sites, sizeof *s->vector, error);
     haft_status status = s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
-    for (size_t r = 0; r < s->sites && status == HAFT_OK; r++) {
-        status = make_law(s, c, laws, r, realization * laws->sites + r, error);
+    if (status == HAFT_OK) {
+        status = (drawn ? draw_laws : take_laws)(s, c, laws, realization, error);
     }
     if (status != HAFT_OK) {
         haft_site_laws_destroy(&s);

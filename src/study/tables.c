@@ -74,3 +74,23 @@ haft_status haft_study_write_laws(const haft_laws *laws, const char *path, haft_
     haft_memory_free(flat);
     return status;
 }
+
+haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, size_t n,
+                                    const char *path, haft_error *error) {
+    enum { COLUMNS = 4 };
+    _Static_assert(sizeof(haft_law_vector) == COLUMNS * sizeof(double), "a vector is its columns");
+    haft_law_vector *vector = haft_memory_alloc(n, sizeof *vector, error);
+    if (vector == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    haft_status status = haft_study_draw(laws, c, 0, n, vector, error);
+    if (status == HAFT_OK) {
+        haft_csv_column column[COLUMNS] = {{"e [mJ/m2]", &vector->e, COLUMNS, 1e3},
+                                           {"f_max [MPa]", &vector->f_max, COLUMNS, 1e-6},
+                                           {"d_max [nm]", &vector->d_max, COLUMNS, 1e9},
+                                           {"d_limit [nm]", &vector->d_limit, COLUMNS, 1e9}};
+        status = haft_csv_write(path, n, COLUMNS, column, error);
+    }
+    haft_memory_free(vector);
+    return status;
+}

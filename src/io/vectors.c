@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Law vectors from a table made elsewhere: CSV whose first line names the columns and their units.
+ */
+#include "haft/io.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLUMNS = HAFT_CHAOS_DIMENSION, FIELDS_LIMIT = 256, NAME_CAPACITY = 64 };
+
+static const struct {
+    const char *name, *unit, *example;
+} wanted[COLUMNS] = {
+    {"e", "J/m^2", "e [mJ/m2]"},
+    {"f_max", "Pa", "f_max [MPa]"},
+    {"d_max", "m", "d_max [nm]"},
+    {"d_limit", "m", "d_limit [nm]"},
+};
+
+/* Where each number stands in a line, and what takes it to SI. */
+typedef struct layout {
+    size_t field[COLUMNS], fault; /* fault: SIZE_MAX if there is none */
+    double factor[COLUMNS];
+    size_t fields;
+} layout;
+
+/* Splits a line at its commas, in place; @return how many fields it has. */
+static size_t split(char *line, char *field[FIELDS_LIMIT]) {
+    size_t n = 0;
+    line[strcspn(line, "\r\n")] = '\0';
+    for (char *at = line; n < FIELDS_LIMIT; at++) {
+        field[n++] = at;
+        at = strchr(at, ',');
+        if (at == NULL) {
+            break;
+        }
+        *at = '\0';
+    }
+    return n;
+}
+
+/* "e [mJ/m2]" into its name and its unit. */
+static bool name_and_unit(const char *field, char name[NAME_CAPACITY], char unit[NAME_CAPACITY]) {
+    unit[0] = '\0';
+    return sscanf(field, " %63[^][ \t] [%63[^]]]", name, unit) >= 1;
+}
+
+static haft_status read_factor(const haft_units *units, const char *path, size_t i,
+                               const char *unit, double *factor, haft_error *error) {
+    char text[NAME_CAPACITY + 4];
+    snprintf(text, sizeof text, "1 %s", unit);
+    haft_error own = {0};
+    if (unit[0] == '\0' || haft_units_parse(units, text, wanted[i].unit, factor, &own) != HAFT_OK) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:1: the column %s has no unit of %s, but \"%s\"; name it as in "
+                              "\"%s\"",
+                              path, wanted[i].name, wanted[i].unit, unit, wanted[i].example);
+    }
+    return HAFT_OK;
+}
+
+static haft_status read_layout(layout *l, const haft_units *units, const char *path, char *line,
+                               haft_error *error) {
+    char *field[FIELDS_LIMIT], name[NAME_CAPACITY], unit[NAME_CAPACITY];
+    bool found[COLUMNS] = {false};
+    l->fields = split(line, field);
+    l->fault = SIZE_MAX;
+    for (size_t k = 0; k < l->fields; k++) {
+        if (!name_and_unit(field[k], name, unit)) {
+            continue;
+        }
+        l->fault = strcmp(name, "fault") == 0 ? k : l->fault;
+        for (size_t i = 0; i < COLUMNS; i++) {
+            if (strcmp(name, wanted[i].name) == 0) {
+                haft_status status = read_factor(units, path, i, unit, &l->factor[i], error);
+                if (status != HAFT_OK) {
+                    return status;
+                }
+                found[i] = true;
+                l->field[i] = k;
+            }
+        }
+    }
+    for (size_t i = 0; i < COLUMNS; i++) {
+        if (!found[i]) {
+            return haft_error_set(error, HAFT_ERROR_INPUT,
+                                  "%s:1: there is no column %s; the first line names the columns, "
+                                  "as in \"e [mJ/m2],f_max [MPa],d_max [nm],d_limit [nm]\"",
+                                  path, wanted[i].name);
+        }
+    }
+    return HAFT_OK;
+}
+
+/* One line into a vector; *sound false where the line itself says that it holds none. */
+static haft_status read_row(const layout *l, const char *path, size_t number, char *line,
+                            haft_law_vector *vector, bool *sound, haft_error *error) {
+    char *field[FIELDS_LIMIT];
+    size_t fields = split(line, field);
+    if (fields != l->fields) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:%zu: %zu fields where the first line "
+                              "names %zu columns",
+                              path, number, fields, l->fields);
+    }
+    *sound = l->fault == SIZE_MAX || strtod(field[l->fault], NULL) == 0;
+    double value[COLUMNS] = {0};
+    for (size_t i = 0; i < COLUMNS && *sound; i++) {
+        char *end = NULL;
+        value[i] = strtod(field[l->field[i]], &end) * l->factor[i];
+        if (end == field[l->field[i]] || *(end + strspn(end, " \t")) != '\0' ||
+            !isfinite(value[i])) {
+            return haft_error_set(error, HAFT_ERROR_INPUT,
+                                  "%s:%zu: %s is \"%.40s\", no finite number; mend it or leave the "
+                                  "line out",
+                                  path, number, wanted[i].name, field[l->field[i]]);
+        }
+    }
+    *vector = (haft_law_vector){value[0], value[1], value[2], value[3]};
+    return HAFT_OK;
+}
+
+static haft_status grow(haft_law_vector **vector, size_t held, size_t *room, haft_error *error) {
+    size_t next = *room == 0 ? 1024 : 2 * *room;
+    haft_law_vector *more = haft_memory_alloc(next, sizeof *more, error);
+    if (more == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    if (held > 0) {
+        memcpy(more, *vector, held * sizeof *more);
+    }
+    haft_memory_free(*vector);
+    *vector = more;
+    *room = next;
+    return HAFT_OK;
+}
+
+static haft_status read_stream(haft_law_vector **vector, size_t *m, const haft_units *units,
+                               FILE *stream, const char *path, haft_error *error) {
+    char *line = NULL;
+    size_t capacity = 0, room = 0, number = 0;
+    layout l = {.fields = 0};
+    haft_status status = HAFT_OK;
+    while (status == HAFT_OK && getline(&line, &capacity, stream) >= 0) {
+        number++;
+        if (number == 1) {
+            status = read_layout(&l, units, path, line, error);
+            continue;
+        }
+        if (line[strspn(line, " \t\r\n")] == '\0') {
+            continue;
+        }
+        if (*m == room) {
+            status = grow(vector, *m, &room, error);
+        }
+        bool sound = false;
+        if (status == HAFT_OK) {
+            status = read_row(&l, path, number, line, *vector + *m, &sound, error);
+        }
+        *m += status == HAFT_OK && sound;
+    }
+    free(line);
+    if (status == HAFT_OK && ferror(stream)) {
+        status =
+            haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
+    }
+    if (status == HAFT_OK && *m == 0) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s: holds no law vector; give a line that names the columns and "
+                                "a line a vector",
+                                path);
+    }
+    return status;
+}
+
+haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *path,
+                              haft_error *error) {
+    *vector = NULL;
+    *m = 0;
+    haft_units *units = NULL;
+    FILE *stream = fopen(path, "r");
+    if (stream == NULL) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: %s", path, strerror(errno));
+    }
+    haft_status status = haft_units_create(&units, error);
+    if (status == HAFT_OK) {
+        status = read_stream(vector, m, units, stream, path, error);
+    }
+    haft_units_destroy(&units);
+    fclose(stream);
+    if (status != HAFT_OK) {
+        haft_memory_free(*vector);
+        *vector = NULL;
+        *m = 0;
+    }
+    return status;
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What haft-laws says of a set of laws: how its numbers spread, and how good its model is. */
+#include "laws_report.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Spread of one number over the laws that have it. */
+typedef struct spread {
+    size_t n;
+    double mean, deviation, least, greatest;
+} spread;
+
+static void take(spread *s, double value) {
+    if (!isfinite(value)) {
+        return;
+    }
+    s->n++;
+    double delta = value - s->mean;
+    s->mean += delta / (double)s->n;
+    s->deviation += delta * (value - s->mean);
+    s->least = s->n == 1 ? value : fmin(s->least, value);
+    s->greatest = s->n == 1 ? value : fmax(s->greatest, value);
+}
+
+/* One line: ours, and the reference's range where the case gives one. */
+static void print_spread(const char *label, spread s, double unit, const double reference[2]) {
+    double deviation = s.n > 1 ? sqrt(s.deviation / (double)(s.n - 1)) : NAN;
+    printf("  %-30s %9.4g %9.3g %9.4g %9.4g", label, s.mean * unit, deviation * unit,
+           s.least * unit, s.greatest * unit);
+    if (reference != NULL && isfinite(reference[0])) {
+        printf("   %.3g to %.3g", reference[0] * unit, reference[1] * unit);
+    }
+    printf("\n");
+}
+
+static void print_zero_force(const haft_laws *laws, const haft_case *c) {
+    spread zero = {0}, contact = {0}, wet = {0}, asperities = {0};
+    for (size_t k = 0; k < laws->m; k++) {
+        take(&zero, laws->zero_distance[k]);
+        take(&contact, laws->contact_area[k]);
+        take(&wet, laws->wet_area[k]);
+        take(&asperities, laws->asperities[k]);
+    }
+    printf("  %-30s %9s %9s %9s %9s   %s\n", "where the force vanishes", "mean", "std. dev.",
+           "least", "greatest", isfinite(c->reference.zero_distance[0]) ? "reference" : "");
+    print_spread("distance [nm]", zero, 1e9, c->reference.zero_distance);
+    print_spread("contact area [%]", contact, 100, c->reference.contact_area);
+    print_spread("wet area [%]", wet, 100, c->reference.wet_area);
+    print_spread("asperities in contact [1]", asperities, 1, c->reference.asperities);
+}
+
+static void print_vectors(const haft_laws *laws) {
+    spread v[4] = {{0}};
+    for (size_t k = 0; k < laws->m; k++) {
+        take(&v[0], laws->vector[k].e);
+        take(&v[1], laws->vector[k].f_max);
+        take(&v[2], laws->vector[k].d_max);
+        take(&v[3], laws->vector[k].d_limit);
+    }
+    printf("  law vectors (push limit %.4g MPa)\n", laws->f_limit * 1e-6);
+    print_spread("energy e [mJ/m2]", v[0], 1e3, NULL);
+    print_spread("greatest pull f_max [MPa]", v[1], 1e-6, NULL);
+    print_spread("its distance d_max [nm]", v[2], 1e9, NULL);
+    print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
+}
+
+/* One number of each component, a row. */
+static void print_row(const char *label, const double *value, size_t n, size_t stride,
+                      const char *format) {
+    printf("  %-44s", label);
+    for (size_t j = 0; j < n; j++) {
+        printf(format, value[j * stride]);
+    }
+    printf("\n");
+}
+
+static void print_distance(const char *law, const haft_chaos_distance *d, size_t n) {
+    static const char *const label[] = {"Kolmogorov-Smirnov distance", "Wasserstein-1 [std. dev.]",
+                                        "0.1 % quantile off by [std. dev.]",
+                                        "99.9 % quantile off by [std. dev.]"};
+    const double *first[] = {&d->ks, &d->w1, &d->low_quantile, &d->high_quantile};
+    for (int i = 0; i < 4; i++) {
+        char text[80];
+        snprintf(text, sizeof text, "%s, from %s", label[i], law);
+        print_row(text, first[i], n, sizeof *d / sizeof(double), i < 2 ? "%10.4f" : "%+10.3f");
+    }
+}
+
+static double share_left_out(const haft_chaos_parts *p) {
+    double kept = 0, all = 0;
+    for (size_t j = 0; j < HAFT_CHAOS_DIMENSION; j++) {
+        all += p->eigenvalue[j];
+        kept += j < p->components ? p->eigenvalue[j] : 0;
+    }
+    return 1 - kept / all;
+}
+
+static void print_chaos(const haft_laws *laws) {
+    haft_chaos_parts p;
+    haft_chaos_get_parts(laws->chaos, &p);
+    const haft_chaos_errors *e = &laws->errors;
+    printf("  model of %zu vectors: %s bounds, %zu of %d components (%.3g %% of the variance left "
+           "out),\n    %s kernels of bandwidth %.4f, germ %s, order %zu: %zu terms from %zu points "
+           "a direction\n",
+           p.m, haft_chaos_bounds_name(p.bounds), p.components, HAFT_CHAOS_DIMENSION,
+           100 * share_left_out(&p), haft_chaos_kernel_name(p.kernel), p.bandwidth,
+           haft_chaos_germ_name(p.germ), p.order, p.terms, p.points);
+    printf("  %-44s", "component");
+    for (size_t j = 0; j < p.components; j++) {
+        printf("%10zu", j + 1);
+    }
+    printf("\n");
+    print_row("eigenvalue [1]", p.eigenvalue, p.components, 1, "%10.4g");
+    print_row("relMISE by the projection's own rule", e->relmise_own, p.components, 1, "%10.2e");
+    print_row("relMISE by an independent rule", e->relmise, p.components, 1, "%10.4f");
+    print_row("variance of the kernel density", e->variance, p.components, 1, "%10.4f");
+    print_row("share of it that the expansion lacks", e->variance_error, p.components, 1, "%10.4f");
+    print_distance("kernels", e->kernel, p.components);
+    print_distance("data", e->data, p.components);
+    printf("  relMISE of all components: %.3e by its own rule, %.3e by an independent one (paper: "
+           "5 %%)\n  drawn vectors without a Morse law: %.3g %%\n",
+           e->relmise_own_total, e->relmise_total, 100 * e->outside);
+}
+
+void print_laws(const haft_laws *laws, const haft_case *c) {
+    printf("%zu laws", laws->m);
+    if (laws->chaos == NULL) {
+        printf(", %zu a beam", laws->sites);
+    }
+    if (laws->n > 0) {
+        printf(", on %zu distances from %.4g to %.4g nm\n", laws->n, laws->distance[0] * 1e9,
+               laws->distance[laws->n - 1] * 1e9);
+        print_zero_force(laws, c);
+    } else {
+        printf(", vectors alone\n");
+    }
+    print_vectors(laws);
+    size_t count[HAFT_LAW_FAULTS];
+    haft_study_count_faults(laws, count);
+    printf("  Morse law fits %zu of %zu", count[HAFT_LAW_SOUND], laws->m);
+    for (int f = 1; f < HAFT_LAW_FAULTS; f++) {
+        if (count[f] > 0) {
+            printf("; %s: %zu", haft_law_fault_name((haft_law_fault)f), count[f]);
+        }
+    }
+    printf("\n");
+    if (laws->chaos != NULL) {
+        print_chaos(laws);
+    }
+}
