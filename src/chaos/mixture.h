@@ -59,7 +59,8 @@ chaos_line haft_chaos_mixture_condition(const chaos_mixture *mixture, haft_chaos
 /* CDF at x and its complement, each to round-off of itself. */
 void haft_chaos_line_cdf(const chaos_line *line, double x, double *p, double *q);
 
-double haft_chaos_line_density(const chaos_line *line, double x);
+/* CDF at x, to round-off of 1, and density. */
+double haft_chaos_line_value(const chaos_line *line, double x, double *density);
 
 /* Where the CDF is p and its complement q; the smaller of the two counts. */
 double haft_chaos_line_quantile(const chaos_line *line, double p, double q);

@@ -109,7 +109,8 @@ void haft_chaos_line_cdf(const chaos_line *line, double x, double *p, double *q)
     *q = above / line->total;
 }
 
-double haft_chaos_line_density(const chaos_line *line, double x) {
+double haft_chaos_line_value(const chaos_line *line, double x, double *density) {
     chaos_sums s = haft_chaos_normal_sums(line->n, line->centre, line->weight, x, 1 / line->h);
-    return s.pdf / (line->total * line->h);
+    *density = s.pdf / (line->total * line->h);
+    return s.cdf / line->total;
 }
