@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_JSON = 'j', KEY_THREADS = 't', KEY_REALIZATION = 'r' };
 
@@ -28,14 +26,15 @@ static const char DOC[] =
     "Commands:\n"
     "  check    read CASE/case.yaml and say whether it can be used\n"
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
+    "  resume   do what is left of a run that was stopped or killed\n"
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
     "  info     say what a finished run holds\n\n" EXIT_CODES;
 
 static const struct argp_option OPTIONS[] = {
-    {"force", KEY_FORCE, 0, 0, "run: replace results that are there already", 0},
+    {"force", KEY_FORCE, 0, 0, "run: replace results and parts that are there already", 0},
     {"quiet", KEY_QUIET, 0, 0, "no progress, only results and errors", 0},
-    {"json", KEY_JSON, 0, 0, "run, info: print the summary as JSON", 0},
-    {"threads", KEY_THREADS, "N", 0, "run: use N threads (default: all cores)", 0},
+    {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
+    {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
     {"realization", KEY_REALIZATION, "K", 0,
      "plot: the beam whose path is drawn (default: the first with evidence)", 0},
     {0}};
@@ -185,6 +184,11 @@ static void print_result(const haft_case *c, const haft_summary *summary, bool j
     }
 }
 
+typedef struct runner {
+    const haft_case *c;
+    const arguments *a;
+} runner;
+
 /* Saves the resolved case, which reruns to the same bits. */
 static haft_status save_resolved(const haft_case *c, const char *folder, haft_error *error) {
     char path[PATH_CAPACITY];
@@ -192,44 +196,27 @@ static haft_status save_resolved(const haft_case *c, const char *folder, haft_er
     return status == HAFT_OK ? haft_case_write(c, path, error) : status;
 }
 
-/* Results that are there are refused before hours go into new ones. */
-static haft_status refuse_existing(const char *path, bool force, haft_error *error) {
-    struct stat found;
-    if (stat(path, &found) == 0 && S_ISDIR(found.st_mode)) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s is a directory; move it away", path);
-    }
-    if (!force && access(path, F_OK) == 0) {
-        return haft_error_set(error, HAFT_ERROR_EXISTS,
-                              "%s is there already; add --force to replace it", path);
-    }
-    return HAFT_OK;
-}
-
-static haft_status prepare_run(const arguments *a, char results[PATH_CAPACITY],
-                               char laws[PATH_CAPACITY], haft_error *error) {
-    haft_status status = case_out_path(results, a->folder, "results.h5", error);
+/* What lies beside results.h5. */
+static haft_status save_companions(void *user, const haft_summary *summary, const haft_laws *laws,
+                                   haft_error *error) {
+    const runner *r = user;
+    char path[PATH_CAPACITY];
+    haft_status status = save_resolved(r->c, r->a->folder, error);
     if (status == HAFT_OK) {
-        status = case_out_path(laws, a->folder, "laws.h5", error);
+        status = save_laws_table(laws, r->a->folder, error);
     }
     if (status == HAFT_OK) {
-        status = refuse_existing(results, a->force, error);
-    }
-    return status == HAFT_OK ? make_out_folder(a->folder, NULL, error) : status;
-}
-
-/* What lies beside results.h5, written once that is in place: so the two always belong together. */
-static haft_status save_companions(const haft_case *c, const haft_summary *summary,
-                                   const haft_laws *laws, const char *folder, haft_error *error) {
-    char csv[PATH_CAPACITY];
-    haft_status status = save_resolved(c, folder, error);
-    if (status == HAFT_OK) {
-        status = save_laws_table(laws, folder, error);
+        status = case_out_path(path, r->a->folder, "summary.csv", error);
     }
     if (status == HAFT_OK) {
-        status = case_out_path(csv, folder, "summary.csv", error);
+        status = haft_study_write_summary(summary, r->c->realizations, path, error);
     }
-    return status == HAFT_OK ? haft_study_write_summary(summary, c->realizations, csv, error)
-                             : status;
+    if (status == HAFT_OK) {
+        status = case_out_path(path, r->a->folder, "convergence.csv", error);
+    }
+    return status == HAFT_OK
+               ? haft_study_write_convergence(r->c, summary, r->c->realizations, path, error)
+               : status;
 }
 
 /* Everything is saved, but a script must learn that not all beams have a result. */
@@ -249,37 +236,50 @@ static haft_status tell_failures(const haft_case *c, const haft_summary *summary
     return HAFT_OK;
 }
 
-static int command_run(const haft_case *c, const arguments *a, terminal *t) {
-    haft_error error = {0};
-    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY];
-    char digest[HAFT_DIGEST_CAPACITY];
-    haft_laws *laws = NULL;
-    haft_progress progress = terminal_progress(t);
-    haft_summary *summary = NULL;
-    haft_status status = prepare_run(a, results, laws_path, &error);
-    if (status == HAFT_OK) {
-        summary = haft_memory_alloc(c->realizations, sizeof *summary, &error);
-        status = summary == NULL
-                     ? HAFT_ERROR_MEMORY
-                     : haft_study_obtain_laws(&laws, digest, c, laws_path, &progress, &error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_run(summary, c, laws, digest, results, a->force, &progress, &error);
-        bool partly = status == HAFT_ERROR_INTERRUPTED;
-        if (status == HAFT_OK || partly) {
-            haft_error own = {0};
-            haft_status saved = save_companions(c, summary, laws, a->folder, &own);
-            print_result(c, summary, a->json);
-            if (saved == HAFT_OK && !partly) {
-                saved = tell_failures(c, summary, results, &own);
-            }
-            if (saved != HAFT_OK) {
-                status = saved;
-                error = own;
-            }
+static bool any_done(const haft_case *c, const haft_summary *summary) {
+    for (size_t k = 0; k < c->realizations; k++) {
+        if (summary[k].outcome >= 0) {
+            return true;
         }
     }
-    haft_laws_destroy(&laws);
+    return false;
+}
+
+static haft_status run_case(const haft_case *c, const arguments *a, haft_run_mode mode,
+                            haft_summary *summary, char results[PATH_CAPACITY], terminal *t,
+                            haft_error *error) {
+    char laws[PATH_CAPACITY], parts[PATH_CAPACITY];
+    runner r = {c, a};
+    haft_run_files files = {
+        .laws = laws, .results = results, .parts = parts, .beside = save_companions, .user = &r};
+    haft_progress progress = terminal_progress(t);
+    haft_status status = case_out_path(results, a->folder, "results.h5", error);
+    if (status == HAFT_OK) {
+        status = case_out_path(laws, a->folder, "laws.h5", error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(parts, a->folder, "parts", error);
+    }
+    if (status == HAFT_OK) {
+        status = make_out_folder(a->folder, NULL, error);
+    }
+    return status == HAFT_OK ? haft_study_run(summary, c, &files, mode, &progress, error) : status;
+}
+
+static int command_run(const haft_case *c, const arguments *a, haft_run_mode mode, terminal *t) {
+    haft_error error = {0};
+    char results[PATH_CAPACITY];
+    haft_summary *summary = haft_memory_alloc(c->realizations, sizeof *summary, &error);
+    haft_status status = HAFT_ERROR_MEMORY;
+    if (summary != NULL) {
+        status = run_case(c, a, mode, summary, results, t, &error);
+    }
+    if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && any_done(c, summary))) {
+        print_result(c, summary, a->json);
+    }
+    if (status == HAFT_OK) {
+        status = tell_failures(c, summary, results, &error);
+    }
     haft_memory_free(summary);
     if (status != HAFT_OK) {
         drop_empty_out_folder(a->folder);
@@ -313,13 +313,14 @@ int main(int argc, char **argv) {
     argp_parse(&program, argc, argv, 0, NULL, &a);
     terminal t;
     terminal_open(&t, "haft", a.quiet);
-    static const char *const commands[] = {"check", "run", "plot", "info"};
+    enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
+    static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
     size_t command = 0;
-    while (command < 4 && strcmp(a.command, commands[command]) != 0) {
+    while (command < COMMANDS && strcmp(a.command, commands[command]) != 0) {
         command++;
     }
-    if (command == 4) {
-        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, plot or info\n",
+    if (command == COMMANDS) {
+        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
                 a.command);
         return EXIT_USAGE;
     }
@@ -332,10 +333,12 @@ int main(int argc, char **argv) {
     if (status != HAFT_OK) {
         return terminal_fail(&t, status, &error);
     }
-    int code = command == 0   ? command_check(c, &a)
-               : command == 1 ? command_run(c, &a, &t)
-               : command == 2 ? draw_case(c, a.folder, a.realization, &t)
-                              : command_info(c, &a, &t);
+    haft_run_mode run = a.force ? HAFT_RUN_ANEW : HAFT_RUN_NEW;
+    int code = command == CHECK    ? command_check(c, &a)
+               : command == RUN    ? command_run(c, &a, run, &t)
+               : command == RESUME ? command_run(c, &a, HAFT_RUN_RESUME, &t)
+               : command == PLOT   ? draw_case(c, a.folder, a.realization, &t)
+                                   : command_info(c, &a, &t);
     haft_case_destroy(&c);
     return terminal_finish(&t, code);
 }

@@ -30,6 +30,7 @@ typedef struct terminal {
     bool live; /* standard error is a terminal */
     const char *stage;
     double started, shown;
+    size_t before; /* done when the stage began */
     size_t tenth; /* tenths told so far, where lines are all there is */
 } terminal;
 

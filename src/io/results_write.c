@@ -87,6 +87,10 @@ haft_status haft_results_create(haft_results **out, const char *path, const haft
     return HAFT_OK;
 }
 
+void haft_results_drop_stale(const char *path) {
+    haft_store_drop_stale(path);
+}
+
 void haft_results_abandon(haft_results **results) {
     if (results == NULL || *results == NULL) {
         return;
@@ -97,15 +101,6 @@ void haft_results_abandon(haft_results **results) {
     haft_store_abandon(&(*results)->store);
     release(*results);
     *results = NULL;
-}
-
-static bool wants_evidence(const haft_case *c, size_t realization) {
-    for (size_t i = 0; i < c->evidence.count; i++) {
-        if (c->evidence.realization[i] == realization) {
-            return true;
-        }
-    }
-    return c->evidence.all;
 }
 
 /* ---- a path ---- */
@@ -234,7 +229,7 @@ static haft_status check_addition(const haft_results *results, size_t realizatio
                               "%s: realization %zu was added before or is not one of %zu",
                               results->path, realization, results->c.realizations);
     }
-    if (wants_evidence(&results->c, realization) &&
+    if (haft_case_wants_evidence(&results->c, realization) &&
         (path->state == NULL || model->nodes == 0 || model->dofs != 2 * (model->nodes - 1))) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                               "%s: realization %zu shall leave evidence, but its states were not "
@@ -260,7 +255,7 @@ haft_status haft_results_add(haft_results *results, size_t realization, const ha
                        results->path);
     }
     write_path(hdf, realization, path);
-    if (hdf->status == HAFT_OK && wants_evidence(&results->c, realization)) {
+    if (hdf->status == HAFT_OK && haft_case_wants_evidence(&results->c, realization)) {
         write_evidence(results, realization, path, model, laws, vectors);
     }
     if (hdf->status == HAFT_OK) {

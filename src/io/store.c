@@ -4,6 +4,7 @@
  * its temporary file, named PATH.tmp.PID. */
 #include "store.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -154,6 +155,27 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     flush_folder(store->path);
     release(store);
     return HAFT_OK;
+}
+
+void haft_store_drop_stale(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash == NULL ? path : slash + 1;
+    char folder[4096], stale[4096 + 256], prefix[300];
+    snprintf(folder, sizeof folder, "%.*s", slash == NULL ? 1 : (int)(slash - path + 1),
+             slash == NULL ? "." : path);
+    snprintf(prefix, sizeof prefix, "%s.tmp.", name);
+    DIR *entries = opendir(folder);
+    if (entries == NULL) {
+        return;
+    }
+    for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
+        size_t n = strlen(prefix);
+        if (strncmp(e->d_name, prefix, n) == 0 && e->d_name[n] != '\0' &&
+            strspn(e->d_name + n, "0123456789.") == strlen(e->d_name + n)) {
+            snprintf(stale, sizeof stale, "%s/%s", folder, e->d_name);
+            unlink(stale);
+        }
+    }
+    closedir(entries);
 }
 
 haft_status haft_store_put(const char *path, const void *data, size_t size, haft_error *error) {
