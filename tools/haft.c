@@ -189,33 +189,44 @@ typedef struct runner {
     const arguments *a;
 } runner;
 
-/* Saves the resolved case, which reruns to the same bits. */
-static haft_status save_resolved(const haft_case *c, const char *folder, haft_error *error) {
-    char path[PATH_CAPACITY];
-    haft_status status = case_out_path(path, folder, "resolved.yaml", error);
-    return status == HAFT_OK ? haft_case_write(c, path, error) : status;
+/* CASE/out/name, without what a killed run may have left of it. */
+static haft_status companion(char path[PATH_CAPACITY], const char *folder, const char *name,
+                             haft_error *error) {
+    haft_status status = case_out_path(path, folder, name, error);
+    if (status == HAFT_OK) {
+        haft_io_drop_stale(path);
+    }
+    return status;
 }
 
 /* What lies beside results.h5. */
 static haft_status save_companions(void *user, const haft_summary *summary, const haft_laws *laws,
                                    haft_error *error) {
     const runner *r = user;
+    const haft_case *c = r->c;
+    const char *folder = r->a->folder;
     char path[PATH_CAPACITY];
-    haft_status status = save_resolved(r->c, r->a->folder, error);
+    haft_status status = companion(path, folder, "resolved.yaml", error);
     if (status == HAFT_OK) {
-        status = save_laws_table(laws, r->a->folder, error);
+        status = haft_case_write(c, path, error);
     }
     if (status == HAFT_OK) {
-        status = case_out_path(path, r->a->folder, "summary.csv", error);
+        status = companion(path, folder, "laws.csv", error);
     }
     if (status == HAFT_OK) {
-        status = haft_study_write_summary(summary, r->c->realizations, path, error);
+        status = haft_study_write_laws(laws, path, error);
     }
     if (status == HAFT_OK) {
-        status = case_out_path(path, r->a->folder, "convergence.csv", error);
+        status = companion(path, folder, "summary.csv", error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_write_summary(summary, c->realizations, path, error);
+    }
+    if (status == HAFT_OK) {
+        status = companion(path, folder, "convergence.csv", error);
     }
     return status == HAFT_OK
-               ? haft_study_write_convergence(r->c, summary, r->c->realizations, path, error)
+               ? haft_study_write_convergence(c, summary, c->realizations, path, error)
                : status;
 }
 

@@ -31,7 +31,7 @@ typedef struct terminal {
     const char *stage;
     double started, shown;
     size_t before; /* done when the stage began */
-    size_t tenth; /* tenths told so far, where lines are all there is */
+    size_t tenth;  /* tenths told so far, where lines are all there is */
 } terminal;
 
 /* Sets up output and catches SIGINT and SIGTERM. */

@@ -183,10 +183,6 @@ haft_status haft_results_create(haft_results **out, const char *path, const haft
                                 const char *laws_digest, bool overwrite,
                                 haft_error *error) HAFT_MUST_CHECK;
 
-/** Removes the temporary files of `path` that killed runs left. Only while no other process may
- * write it: a run holds its folder of parts meanwhile. */
-void haft_results_drop_stale(const char *path);
-
 /** Adds /realizations/K: its path and jumps, and its evidence where the case asks for it (then the
  *  path must have kept its states). @param[in] laws, vectors one a site of the model
  *  @return HAFT_ERROR_ARGUMENT for a realization out of range or added before, or for evidence
@@ -287,6 +283,10 @@ typedef struct haft_results_shapes {
 haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path,
                                      size_t realization, haft_error *error) HAFT_MUST_CHECK;
 void haft_results_shapes_destroy(haft_results_shapes **shapes);
+
+/** Removes the temporary files of `path` (PATH.tmp.PID) whose processes are no more on this
+ * machine. Thread-safe. */
+void haft_io_drop_stale(const char *path);
 
 /** A column of a CSV file. */
 typedef struct haft_csv_column {

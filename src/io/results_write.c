@@ -87,10 +87,6 @@ haft_status haft_results_create(haft_results **out, const char *path, const haft
     return HAFT_OK;
 }
 
-void haft_results_drop_stale(const char *path) {
-    haft_store_drop_stale(path);
-}
-
 void haft_results_abandon(haft_results **results) {
     if (results == NULL || *results == NULL) {
         return;

@@ -27,9 +27,6 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) HAFT_MUST_CH
 /* Drops the temporary file; a closed store is allowed. */
 void haft_store_abandon(haft_store *store);
 
-/* Removes temporary files of `path`, whoever made them. */
-void haft_store_drop_stale(const char *path);
-
 /* Puts a file in place at once, over an old one: open, write, commit, or nothing. */
 haft_status haft_store_put(const char *path, const void *data, size_t size,
                            haft_error *error) HAFT_MUST_CHECK;

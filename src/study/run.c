@@ -279,7 +279,8 @@ haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft
         status = begin(&r);
     }
     if (status == HAFT_OK) {
-        haft_results_drop_stale(files->results);
+        haft_io_drop_stale(files->results);
+        haft_io_drop_stale(files->laws);
         bool nothing = mode == HAFT_RUN_RESUME && haft_parts_files(r.parts) == 0;
         status = nothing ? take_complete(&r) : go(&r);
     }
