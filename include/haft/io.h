@@ -23,6 +23,9 @@ extern "C" {
 
 enum { HAFT_NAME_CAPACITY = 128, HAFT_TEXT_CAPACITY = 512 };
 
+/** Where the stop rule looks: at prefixes of the realizations, from this many on, every so many. */
+enum { HAFT_STOP_LEAST = 30, HAFT_STOP_STRIDE = 10 };
+
 /** Where the solver's laws come from. */
 typedef enum haft_sampler {
     HAFT_SAMPLER_EXPLICIT, /**< patches cut from one seamless surface of the whole beam */

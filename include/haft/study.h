@@ -85,9 +85,6 @@ typedef enum haft_run_mode {
     HAFT_RUN_RESUME, /**< does what an unfinished run has left to do */
 } haft_run_mode;
 
-/** Where the stop rule looks: at prefixes of the realizations, from this many on, every so many. */
-enum { HAFT_STOP_LEAST = 30, HAFT_STOP_STRIDE = 10 };
-
 /** Runs the realizations of a case over OpenMP threads. Each is appended to a part file as soon as
  *  it is done, so that a run ended by whatever means loses only what was in work; at the end the
  *  parts become the results file, in order of realization, and go. The same bits for any number of
@@ -153,7 +150,8 @@ typedef struct haft_statistics {
     haft_interval deviation_interval;       /**< [m] chi-square: assumes normal crack lengths */
     double least, greatest;                 /**< [m] */
     double quantile[HAFT_STUDY_QUANTILES];  /**< [m]; INFINITY where it lies among the free */
-    haft_interval quantile_interval[HAFT_STUDY_QUANTILES]; /**< [m] free of a distribution */
+    haft_interval quantile_interval[HAFT_STUDY_QUANTILES]; /**< [m] free of a distribution; among
+                                                              the free from the beam's length on */
     double stuck_share;           /**< of those that stuck or are free; NaN if there is none */
     haft_interval stuck_interval; /**< Clopper-Pearson */
     double gamma;                 /**< Eq. 36 of the mean crack length [J/m^2] */

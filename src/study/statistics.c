@@ -70,12 +70,14 @@ static double find_ranked(const haft_summary *summary, size_t n, size_t rank) {
     return value;
 }
 
-/* The same among all that were followed to the end: the free ones are last. */
-static double find_length(const haft_summary *summary, size_t n, size_t stuck, size_t rank) {
-    return rank == 0 ? -INFINITY : rank > stuck ? INFINITY : find_ranked(summary, n, rank);
+/* The same among all that were followed to the end: the free ones are last, at `beyond`. */
+static double find_length(const haft_summary *summary, size_t n, size_t stuck, size_t rank,
+                          double beyond) {
+    return rank == 0 ? -INFINITY : rank > stuck ? beyond : find_ranked(summary, n, rank);
 }
 
-static void find_quantiles(haft_statistics *s, const haft_summary *summary, size_t n) {
+static void find_quantiles(haft_statistics *s, const haft_summary *summary, size_t n,
+                           double beam_length) {
     size_t followed = s->stuck + s->free;
     for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
         double p = haft_study_quantiles[i];
@@ -83,10 +85,10 @@ static void find_quantiles(haft_statistics *s, const haft_summary *summary, size
         if (followed > 0) {
             size_t low, high, rank = (size_t)ceil(p * (double)followed);
             haft_study_quantile_ranks(followed, p, s->confidence, &low, &high);
-            s->quantile[i] = find_length(summary, n, s->stuck, rank > 0 ? rank : 1);
-            s->quantile_interval[i].low = find_length(summary, n, s->stuck, low);
-            s->quantile_interval[i].high =
-                high > followed ? INFINITY : find_length(summary, n, s->stuck, high);
+            s->quantile[i] = find_length(summary, n, s->stuck, rank > 0 ? rank : 1, INFINITY);
+            s->quantile_interval[i] = (haft_interval){
+                find_length(summary, n, s->stuck, low, beam_length), /* a free one is longer */
+                find_length(summary, n, s->stuck, high, INFINITY)};
         }
     }
 }
@@ -111,7 +113,7 @@ haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *su
     }
     s.mean_interval = haft_study_mean_interval(s.mean, s.deviation, s.stuck, s.confidence);
     s.deviation_interval = haft_study_deviation_interval(s.deviation, s.stuck, s.confidence);
-    find_quantiles(&s, summary, n);
+    find_quantiles(&s, summary, n, c->beam.length);
     s.stuck_share = (double)s.stuck / (double)(s.stuck + s.free);
     s.stuck_interval = haft_study_share_interval(s.stuck, s.stuck + s.free, s.confidence);
     s.gamma = haft_beam_effective_energy(&c->beam, s.mean);
