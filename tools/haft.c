@@ -304,6 +304,8 @@ static haft_status tell_failures(const haft_case *c, const haft_summary *summary
     return HAFT_OK;
 }
 
+static const char NOT_ALL_RANKS[] = "another rank cannot begin; do all see the same files?";
+
 static bool any_done(const haft_case *c, const haft_summary *summary) {
     for (size_t k = 0; k < c->realizations; k++) {
         if (summary[k].outcome >= 0) {
@@ -313,46 +315,67 @@ static bool any_done(const haft_case *c, const haft_summary *summary) {
     return false;
 }
 
-static haft_status run_case(const haft_case *c, const arguments *a, haft_run_mode mode,
-                            haft_summary *summary, char results[PATH_CAPACITY], terminal *t,
-                            haft_error *error) {
-    char laws[PATH_CAPACITY], parts[PATH_CAPACITY];
-    runner r = {c, a};
-    haft_run_files files = {
-        .laws = laws, .results = results, .parts = parts, .beside = save_companions, .user = &r};
-    haft_progress progress = terminal_progress(t);
-    haft_status status = case_out_path(results, a->folder, "results.h5", error);
+typedef struct run_paths {
+    char results[PATH_CAPACITY], laws[PATH_CAPACITY], parts[PATH_CAPACITY];
+} run_paths;
+
+/* What a run needs before it can begin; the folder is rank 0's to make. */
+static haft_status prepare_run(run_paths *paths, haft_summary **summary, const haft_case *c,
+                               const arguments *a, haft_error *error) {
+    *summary = haft_memory_alloc(c->realizations, sizeof **summary, error);
+    if (*summary == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    haft_status status = case_out_path(paths->results, a->folder, "results.h5", error);
     if (status == HAFT_OK) {
-        status = case_out_path(laws, a->folder, "laws.h5", error);
+        status = case_out_path(paths->laws, a->folder, "laws.h5", error);
     }
     if (status == HAFT_OK) {
-        status = case_out_path(parts, a->folder, "parts", error);
+        status = case_out_path(paths->parts, a->folder, "parts", error);
     }
-    if (status == HAFT_OK) {
-        status = make_out_folder(a->folder, NULL, error);
-    }
-    return status == HAFT_OK ? haft_study_run(summary, c, &files, mode, &progress, error) : status;
+    return status == HAFT_OK && haft_study_rank() == 0 ? make_out_folder(a->folder, NULL, error)
+                                                       : status;
 }
 
-static int command_run(const haft_case *c, const arguments *a, haft_run_mode mode, terminal *t) {
-    haft_error error = {0};
-    char results[PATH_CAPACITY];
-    haft_summary *summary = haft_memory_alloc(c->realizations, sizeof *summary, &error);
-    haft_status status = HAFT_ERROR_MEMORY;
-    if (summary != NULL) {
-        status = run_case(c, a, mode, summary, results, t, &error);
-    }
+/* Tells what came of a run, and its exit code. */
+static int tell_run(const haft_case *c, const arguments *a, const haft_summary *summary,
+                    const char *results, haft_status status, haft_error *error, terminal *t) {
     if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && any_done(c, summary))) {
         print_result(c, summary, a->json);
     }
     if (status == HAFT_OK) {
-        status = tell_failures(c, summary, results, &error);
+        status = tell_failures(c, summary, results, error);
     }
-    haft_memory_free(summary);
     if (status != HAFT_OK) {
         drop_empty_out_folder(a->folder);
     }
-    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
+    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, error);
+}
+
+static int command_run(const haft_case *c, const arguments *a, haft_run_mode mode, terminal *t) {
+    haft_error error = {0};
+    run_paths paths;
+    haft_summary *summary = NULL;
+    haft_status status = prepare_run(&paths, &summary, c, a, &error);
+    if (!haft_study_ranks_agree(status == HAFT_OK) && status == HAFT_OK) {
+        status = haft_error_set(&error, HAFT_ERROR_IO, NOT_ALL_RANKS);
+    }
+    if (status == HAFT_OK) {
+        runner r = {c, a};
+        haft_run_files files = {.laws = paths.laws,
+                                .results = paths.results,
+                                .parts = paths.parts,
+                                .beside = save_companions,
+                                .user = &r};
+        haft_progress progress = terminal_progress(t);
+        status = haft_study_run(summary, c, &files, mode, &progress, &error);
+    }
+    int code = EXIT_OK;
+    if (haft_study_rank() == 0) {
+        code = tell_run(c, a, summary, paths.results, status, &error, t);
+    }
+    haft_memory_free(summary);
+    return code;
 }
 
 /* ---- info
@@ -373,40 +396,67 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
+enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
+static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
+
+static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
+    switch (command) {
+    case CHECK:
+        return command_check(c, a);
+    case RUN:
+        return command_run(c, a, a->force ? HAFT_RUN_ANEW : HAFT_RUN_NEW, t);
+    case RESUME:
+        return command_run(c, a, HAFT_RUN_RESUME, t);
+    case PLOT:
+        return draw_case(c, a->folder, a->realization, t);
+    default:
+        return command_info(c, a, t);
+    }
+}
+
+/* Of several ranks, 0 alone speaks, and does alone what is no run. */
+static int start(const arguments *a, terminal *t) {
+    bool leads = haft_study_rank() == 0;
+    size_t command = 0;
+    while (command < COMMANDS && strcmp(a->command, commands[command]) != 0) {
+        command++;
+    }
+    bool runs = command == RUN || command == RESUME;
+    if (!leads && !runs) {
+        return EXIT_OK;
+    }
+    if (command == COMMANDS) {
+        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
+                a->command);
+        return EXIT_USAGE;
+    }
+    if (a->threads > 0) {
+        omp_set_num_threads(a->threads);
+    }
+    haft_error error = {0};
+    haft_case *c = NULL;
+    haft_status status = read_case(&c, a->folder, &error);
+    if (status != HAFT_OK) {
+        (void)(runs && haft_study_ranks_agree(false));
+        return leads ? terminal_fail(t, status, &error) : EXIT_OK;
+    }
+    int code = do_command(command, c, a, t);
+    haft_case_destroy(&c);
+    return terminal_finish(t, code);
+}
+
 int main(int argc, char **argv) {
+    haft_study_ranks_begin();
+    atexit(haft_study_ranks_end);
+    bool leads = haft_study_rank() == 0;
     argp_err_exit_status = EXIT_USAGE;
     argp_program_version = haft_version();
     static const struct argp program = {OPTIONS, parse, "COMMAND CASE", DOC, NULL, NULL, NULL};
     arguments a = {.realization = -1};
-    argp_parse(&program, argc, argv, 0, NULL, &a);
+    if (argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a) != 0) {
+        return EXIT_OK; /* rank 0 says what is wrong */
+    }
     terminal t;
     terminal_open(&t, "haft", a.quiet);
-    enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
-    static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
-    size_t command = 0;
-    while (command < COMMANDS && strcmp(a.command, commands[command]) != 0) {
-        command++;
-    }
-    if (command == COMMANDS) {
-        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
-                a.command);
-        return EXIT_USAGE;
-    }
-    if (a.threads > 0) {
-        omp_set_num_threads(a.threads);
-    }
-    haft_error error = {0};
-    haft_case *c = NULL;
-    haft_status status = read_case(&c, a.folder, &error);
-    if (status != HAFT_OK) {
-        return terminal_fail(&t, status, &error);
-    }
-    haft_run_mode run = a.force ? HAFT_RUN_ANEW : HAFT_RUN_NEW;
-    int code = command == CHECK    ? command_check(c, &a)
-               : command == RUN    ? command_run(c, &a, run, &t)
-               : command == RESUME ? command_run(c, &a, HAFT_RUN_RESUME, &t)
-               : command == PLOT   ? draw_case(c, a.folder, a.realization, &t)
-                                   : command_info(c, &a, &t);
-    haft_case_destroy(&c);
-    return terminal_finish(&t, code);
+    return start(&a, &t);
 }

@@ -67,6 +67,21 @@ haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haf
                                const haft_model *model, const haft_site_laws *laws,
                                bool keep_states, haft_error *error) HAFT_MUST_CHECK;
 
+/** Joins the processes that `mpirun` started for this program (MPI_Init_thread); to be called first
+ *  thing in main, by the thread that will call haft_study_run(). Does nothing where Haft was built
+ *  without HAFT_MPI. */
+void haft_study_ranks_begin(void);
+
+/** Leaves them again (MPI_Finalize), if they were joined; fit for atexit(). */
+void haft_study_ranks_end(void);
+
+/** This process's number among them, and how many they are; 0 of 1 where there are no others. */
+int haft_study_rank(void);
+int haft_study_ranks(void);
+
+/** Are all of them ready? Each must call it once, ready or not, before haft_study_run(). */
+bool haft_study_ranks_agree(bool ready);
+
 /** Where a run finds its laws and keeps what it makes. */
 typedef struct haft_run_files {
     const char *laws;    /**< laws.h5: read, or built where its inputs changed */
@@ -85,10 +100,13 @@ typedef enum haft_run_mode {
     HAFT_RUN_RESUME, /**< does what an unfinished run has left to do */
 } haft_run_mode;
 
-/** Runs the realizations of a case over OpenMP threads. Each is appended to a part file as soon as
+/** Runs the realizations of a case over OpenMP threads, and over ranks where there are several: all
+ *  call it with the same arguments and see the same files; rank 0 builds the laws, hands out the
+ *  realizations one by one, tells progress, and makes the results; the others return HAFT_OK with
+ *  nothing to tell. Each realization is appended to a part file as soon as
  *  it is done, so that a run ended by whatever means loses only what was in work; at the end the
  *  parts become the results file, in order of realization, and go. The same bits for any number of
- *  threads and interruptions, but for /summary/seconds.
+ *  threads, ranks and interruptions, but for /summary/seconds.
  *
  *  Stop rule (case key study.stop.crack_length_mean): the run needs only the realizations 0 to n-1,
  *  n the least multiple of HAFT_STOP_STRIDE from HAFT_STOP_LEAST on for which half the width of the

@@ -115,7 +115,7 @@ void haft_desk_enter(haft_desk *desk, size_t realization, const haft_summary *su
 
 void haft_desk_fail(haft_desk *desk, size_t realization, haft_status status, const char *message) {
     omp_set_lock(&desk->lock);
-    if (desk->status == HAFT_OK || realization < desk->failed) {
+    if (desk->status == HAFT_OK || (realization < desk->failed && !desk->aborted)) {
         desk->failed = realization;
         desk->status =
             haft_error_set(desk->error, status, "realization %zu: %s", realization, message);
@@ -123,8 +123,17 @@ void haft_desk_fail(haft_desk *desk, size_t realization, haft_status status, con
     omp_unset_lock(&desk->lock);
 }
 
+void haft_desk_abort(haft_desk *desk, haft_status status, const char *message) {
+    omp_set_lock(&desk->lock);
+    if (!desk->aborted) {
+        desk->aborted = true;
+        desk->status = haft_error_set(desk->error, status, "%s", message);
+    }
+    omp_unset_lock(&desk->lock);
+}
+
 haft_status haft_desk_outcome(haft_desk *desk) {
-    if (desk->status != HAFT_OK && desk->failed >= desk->end) {
+    if (desk->status != HAFT_OK && desk->failed >= desk->end && !desk->aborted) {
         desk->status = HAFT_OK; /* beyond what the stop rule needs */
     }
     if (desk->status == HAFT_OK && desk->count < desk->end) {

@@ -20,7 +20,8 @@ typedef struct haft_desk {
     haft_moments moments;  /* of the prefix in which all are done, for the stop rule */
     size_t prefix;
     bool interrupted;
-    haft_status status; /* of the failure of the lowest realization `failed` */
+    haft_status status; /* of the failure of the lowest realization `failed`, or of all */
+    bool aborted;
     size_t failed;
     haft_error *error;
     omp_lock_t lock;
@@ -42,6 +43,9 @@ bool haft_desk_next(haft_desk *desk, size_t *realization);
 /* One is done, or cannot be done; the second ends the run. */
 void haft_desk_enter(haft_desk *desk, size_t realization, const haft_summary *summary);
 void haft_desk_fail(haft_desk *desk, size_t realization, haft_status status, const char *message);
+
+/* Something else went wrong: ends the run. */
+void haft_desk_abort(haft_desk *desk, haft_status status, const char *message);
 
 /* What came of it, once all hands are still: HAFT_OK if all are done. */
 haft_status haft_desk_outcome(haft_desk *desk);

@@ -18,6 +18,7 @@ typedef struct run {
     haft_laws *laws;
     haft_model *model;
     haft_desk desk;
+    bool started; /* the other ranks were told */
     haft_error *error;
 } run;
 
@@ -233,8 +234,14 @@ static haft_status go(run *r) {
                       .folder = r->files->parts,
                       .laws_digest = r->laws_digest,
                       .desk = &r->desk};
+    haft_error own = {0};
     haft_desk_begin(&r->desk);
-    haft_crew_work(&crew);
+    haft_relay_start(true);
+    r->started = true;
+    status = haft_crew_work(&crew, &own);
+    if (status != HAFT_OK) {
+        haft_desk_abort(&r->desk, status, own.message);
+    }
     status = haft_desk_outcome(&r->desk);
     if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->desk.count > 0)) {
         if (status == HAFT_OK) {
@@ -266,6 +273,54 @@ static haft_status begin(run *r) {
     return status == HAFT_OK ? check_results(r) : status;
 }
 
+/* What another rank than 0 does: its share of the realizations, and nothing else. */
+static haft_status lend_a_hand(run *r) {
+    if (!haft_relay_await_start()) {
+        return HAFT_OK; /* rank 0 says why */
+    }
+    char built[HAFT_DIGEST_CAPACITY];
+    haft_status status = haft_case_laws_digest(r->c, r->laws_digest, r->error);
+    if (status == HAFT_OK) {
+        status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
+    }
+    if (status == HAFT_OK && strcmp(built, r->laws_digest) != 0) {
+        status = haft_error_set(r->error, HAFT_ERROR_INPUT,
+                                "%s was built from other inputs than rank %d sees; do all ranks "
+                                "see the same files?",
+                                r->files->laws, haft_study_rank());
+    }
+    if (status == HAFT_OK) {
+        status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
+    }
+    if (status == HAFT_OK) {
+        haft_crew crew = {.c = r->c,
+                          .laws = r->laws,
+                          .model = r->model,
+                          .folder = r->files->parts,
+                          .laws_digest = r->laws_digest};
+        status = haft_crew_work(&crew, r->error);
+    }
+    haft_relay_leave(status, r->error->message);
+    return HAFT_OK;
+}
+
+static haft_status lead(run *r, haft_summary *summary) {
+    haft_status status = haft_desk_open(&r->desk, summary, r->c, r->progress, r->error);
+    if (status == HAFT_OK) {
+        status = begin(r);
+    }
+    if (status == HAFT_OK) {
+        haft_io_drop_stale(r->files->results);
+        haft_io_drop_stale(r->files->laws);
+        bool nothing = r->mode == HAFT_RUN_RESUME && haft_parts_files(r->parts) == 0;
+        status = nothing ? take_complete(r) : go(r);
+    }
+    if (!r->started) {
+        haft_relay_start(false);
+    }
+    return status;
+}
+
 haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_run_files *files,
                            haft_run_mode mode, const haft_progress *progress, haft_error *error) {
     haft_error unheard = {0};
@@ -274,16 +329,7 @@ haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft
              .mode = mode,
              .progress = progress,
              .error = error != NULL ? error : &unheard};
-    haft_status status = haft_desk_open(&r.desk, summary, c, progress, r.error);
-    if (status == HAFT_OK) {
-        status = begin(&r);
-    }
-    if (status == HAFT_OK) {
-        haft_io_drop_stale(files->results);
-        haft_io_drop_stale(files->laws);
-        bool nothing = mode == HAFT_RUN_RESUME && haft_parts_files(r.parts) == 0;
-        status = nothing ? take_complete(&r) : go(&r);
-    }
+    haft_status status = haft_study_rank() == 0 ? lead(&r, summary) : lend_a_hand(&r);
     haft_desk_close(&r.desk);
     haft_model_destroy(&r.model);
     haft_laws_destroy(&r.laws);
