@@ -60,21 +60,25 @@ static haft_status draw(const char *scripts, const char *name, const char *folde
 }
 
 static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
-    static const char *const figures[] = {"surface", "laws",   "shapes",
-                                          "energy",  "cracks", "overview"};
+    static const char *const figures[] = {"surface", "laws",     "shapes",     "energy",
+                                          "cracks",  "overview", "convergence"};
+    size_t count = sizeof figures / sizeof *figures;
+    count -= c->realizations < 3; /* fewer beams converge to nothing */
     char scripts[PATH_CAPACITY], definitions[512];
     find_scripts(scripts);
     snprintf(definitions, sizeof definitions,
-             "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g",
+             "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g; "
+             "confidence=%.9g",
              isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
              isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                           : -1,
-             c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6);
+             c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6,
+             c->stop.confidence);
     setenv("HAFT_TITLE", c->title, 1);
     setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
     setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
     haft_status status = HAFT_OK;
-    for (size_t i = 0; status == HAFT_OK && i < sizeof figures / sizeof *figures; i++) {
+    for (size_t i = 0; status == HAFT_OK && i < count; i++) {
         status = draw(scripts, figures[i], folder, definitions, error);
     }
     return status;

@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_JSON = 'j', KEY_THREADS = 't', KEY_REALIZATION = 'r' };
 
@@ -28,14 +26,15 @@ static const char DOC[] =
     "Commands:\n"
     "  check    read CASE/case.yaml and say whether it can be used\n"
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
+    "  resume   do what is left of a run that was stopped or killed\n"
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
     "  info     say what a finished run holds\n\n" EXIT_CODES;
 
 static const struct argp_option OPTIONS[] = {
-    {"force", KEY_FORCE, 0, 0, "run: replace results that are there already", 0},
+    {"force", KEY_FORCE, 0, 0, "run: replace results and parts that are there already", 0},
     {"quiet", KEY_QUIET, 0, 0, "no progress, only results and errors", 0},
-    {"json", KEY_JSON, 0, 0, "run, info: print the summary as JSON", 0},
-    {"threads", KEY_THREADS, "N", 0, "run: use N threads (default: all cores)", 0},
+    {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
+    {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
     {"realization", KEY_REALIZATION, "K", 0,
      "plot: the beam whose path is drawn (default: the first with evidence)", 0},
     {0}};
@@ -127,25 +126,61 @@ static void print_length(double metres) {
     }
 }
 
-static void print_row(const char *label, double ours, double paper, double measured) {
+/* A number, its interval (NULL where it has none) and what others found. */
+static void print_row(const char *label, double ours, const haft_interval *interval, double paper,
+                      double measured) {
     printf("  %-26s", label);
     print_length(ours);
+    char low[16] = "-", high[16] = "-";
+    if (interval != NULL && !isfinite(interval->low) && !isfinite(interval->high)) {
+        interval = NULL;
+    }
+    if (interval != NULL && isfinite(interval->low)) {
+        snprintf(low, sizeof low, "%.1f", interval->low * 1e6);
+    }
+    if (interval != NULL && isfinite(interval->high)) {
+        snprintf(high, sizeof high, "%.1f", interval->high * 1e6);
+    }
+    printf(" %8s %2s %-7s", interval != NULL ? low : "", interval != NULL ? "to" : "",
+           interval != NULL ? high : "");
     print_length(paper);
     print_length(measured);
     printf("\n");
 }
 
+static void print_quantiles(const haft_case *c, const haft_statistics *s) {
+    static const char *const label[HAFT_STUDY_QUANTILES] = {"5 % quantile", "median",
+                                                            "95 % quantile"};
+    for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
+        char text[40];
+        bool beyond = s->quantile[i] > c->beam.length; /* not known but that they let go */
+        snprintf(text, sizeof text, beyond ? "%s (free)" : "%s", label[i]);
+        print_row(text, s->quantile[i], &s->quantile_interval[i], NAN, NAN);
+    }
+}
+
 static void print_summary(const haft_case *c, const haft_statistics *s) {
+    char interval[40];
+    snprintf(interval, sizeof interval, "%.4g %% interval", 100 * s->confidence);
     printf("\n%s\n", c->title);
-    printf("  %-26s %9s %9s %9s\n", "crack length at rest [um]", "Haft", "paper", "measured");
-    print_row("mean", s->mean, c->reference.paper_crack_length, c->reference.measured_crack_length);
-    print_row("standard error of the mean", s->standard_error, NAN, NAN);
-    print_row("standard deviation", s->deviation, NAN, NAN);
-    print_row("least", s->least, NAN, NAN);
-    print_row("greatest", s->greatest, NAN, NAN);
-    printf("  effective energy of the mean, Gamma: %.3g mJ/m2\n", s->gamma * 1e3);
+    printf("  %-26s %9s %-20s %9s %9s\n", "crack length at rest [um]", "Haft", interval, "paper",
+           "measured");
+    print_row("mean", s->mean, &s->mean_interval, c->reference.paper_crack_length,
+              c->reference.measured_crack_length);
+    print_row("standard error of the mean", s->standard_error, NULL, NAN, NAN);
+    print_row("standard deviation", s->deviation, &s->deviation_interval, NAN, NAN);
+    print_quantiles(c, s);
+    print_row("least", s->least, NULL, NAN, NAN);
+    print_row("greatest", s->greatest, NULL, NAN, NAN);
+    if (s->stuck > 0) {
+        printf("  effective energy of the mean, Gamma: %.3g mJ/m2\n", s->gamma * 1e3);
+    }
     printf("  beams: %zu run, %zu stuck, %zu free, %zu failed; %.1f jumps and %.3f s a beam\n",
            s->run, s->stuck, s->free, s->failed, s->jumps, s->seconds);
+    if (s->stuck + s->free > 0) {
+        printf("  probability to stick: %.1f %%, %s %.1f to %.1f %%\n", 100 * s->stuck_share,
+               interval, 100 * s->stuck_interval.low, 100 * s->stuck_interval.high);
+    }
     printf("  energy ledger closed to %.1e of the work; %zu curves that no Morse law fits\n",
            s->ledger_error, s->unfit);
 }
@@ -158,13 +193,34 @@ static void print_json_number(const char *key, double value, const char *end) {
     }
 }
 
+static void print_json_interval(const char *key, haft_interval interval) {
+    char name[80];
+    snprintf(name, sizeof name, "%s_low%s", key, strcmp(key, "stuck_share") == 0 ? "" : "_m");
+    print_json_number(name, interval.low, ",");
+    snprintf(name, sizeof name, "%s_high%s", key, strcmp(key, "stuck_share") == 0 ? "" : "_m");
+    print_json_number(name, interval.high, ",");
+}
+
 static void print_json(const haft_case *c, const haft_statistics *s) {
+    static const char *const quantile[HAFT_STUDY_QUANTILES] = {
+        "crack_length_quantile_05", "crack_length_median", "crack_length_quantile_95"};
     printf("{\n  \"case\": \"%s\",\n  \"version\": \"%s\",\n", c->name, haft_version());
+    print_json_number("confidence", s->confidence, ",");
     print_json_number("crack_length_mean_m", s->mean, ",");
+    print_json_interval("crack_length_mean", s->mean_interval);
     print_json_number("crack_length_standard_error_m", s->standard_error, ",");
     print_json_number("crack_length_deviation_m", s->deviation, ",");
+    print_json_interval("crack_length_deviation", s->deviation_interval);
+    for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
+        char name[60];
+        snprintf(name, sizeof name, "%s_m", quantile[i]);
+        print_json_number(name, s->quantile[i], ",");
+        print_json_interval(quantile[i], s->quantile_interval[i]);
+    }
     print_json_number("crack_length_least_m", s->least, ",");
     print_json_number("crack_length_greatest_m", s->greatest, ",");
+    print_json_number("stuck_share", s->stuck_share, ",");
+    print_json_interval("stuck_share", s->stuck_interval);
     print_json_number("paper_crack_length_m", c->reference.paper_crack_length, ",");
     print_json_number("measured_crack_length_m", c->reference.measured_crack_length, ",");
     print_json_number("gamma_J_per_m2", s->gamma, ",");
@@ -185,51 +241,50 @@ static void print_result(const haft_case *c, const haft_summary *summary, bool j
     }
 }
 
-/* Saves the resolved case, which reruns to the same bits. */
-static haft_status save_resolved(const haft_case *c, const char *folder, haft_error *error) {
+typedef struct runner {
+    const haft_case *c;
+    const arguments *a;
+} runner;
+
+/* CASE/out/name, without what a killed run may have left of it. */
+static haft_status companion(char path[PATH_CAPACITY], const char *folder, const char *name,
+                             haft_error *error) {
+    haft_status status = case_out_path(path, folder, name, error);
+    if (status == HAFT_OK) {
+        haft_io_drop_stale(path);
+    }
+    return status;
+}
+
+/* What lies beside results.h5. */
+static haft_status save_companions(void *user, const haft_summary *summary, const haft_laws *laws,
+                                   haft_error *error) {
+    const runner *r = user;
+    const haft_case *c = r->c;
+    const char *folder = r->a->folder;
     char path[PATH_CAPACITY];
-    haft_status status = case_out_path(path, folder, "resolved.yaml", error);
-    return status == HAFT_OK ? haft_case_write(c, path, error) : status;
-}
-
-/* Results that are there are refused before hours go into new ones. */
-static haft_status refuse_existing(const char *path, bool force, haft_error *error) {
-    struct stat found;
-    if (stat(path, &found) == 0 && S_ISDIR(found.st_mode)) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s is a directory; move it away", path);
-    }
-    if (!force && access(path, F_OK) == 0) {
-        return haft_error_set(error, HAFT_ERROR_EXISTS,
-                              "%s is there already; add --force to replace it", path);
-    }
-    return HAFT_OK;
-}
-
-static haft_status prepare_run(const arguments *a, char results[PATH_CAPACITY],
-                               char laws[PATH_CAPACITY], haft_error *error) {
-    haft_status status = case_out_path(results, a->folder, "results.h5", error);
+    haft_status status = companion(path, folder, "resolved.yaml", error);
     if (status == HAFT_OK) {
-        status = case_out_path(laws, a->folder, "laws.h5", error);
+        status = haft_case_write(c, path, error);
     }
     if (status == HAFT_OK) {
-        status = refuse_existing(results, a->force, error);
+        status = companion(path, folder, "laws.csv", error);
     }
-    return status == HAFT_OK ? make_out_folder(a->folder, NULL, error) : status;
-}
-
-/* What lies beside results.h5, written once that is in place: so the two always belong together. */
-static haft_status save_companions(const haft_case *c, const haft_summary *summary,
-                                   const haft_laws *laws, const char *folder, haft_error *error) {
-    char csv[PATH_CAPACITY];
-    haft_status status = save_resolved(c, folder, error);
     if (status == HAFT_OK) {
         status = save_laws_table(laws, folder, error);
     }
     if (status == HAFT_OK) {
-        status = case_out_path(csv, folder, "summary.csv", error);
+        status = companion(path, folder, "summary.csv", error);
     }
-    return status == HAFT_OK ? haft_study_write_summary(summary, c->realizations, csv, error)
-                             : status;
+    if (status == HAFT_OK) {
+        status = haft_study_write_summary(summary, c->realizations, path, error);
+    }
+    if (status == HAFT_OK) {
+        status = companion(path, folder, "convergence.csv", error);
+    }
+    return status == HAFT_OK
+               ? haft_study_write_convergence(c, summary, c->realizations, path, error)
+               : status;
 }
 
 /* Everything is saved, but a script must learn that not all beams have a result. */
@@ -249,42 +304,78 @@ static haft_status tell_failures(const haft_case *c, const haft_summary *summary
     return HAFT_OK;
 }
 
-static int command_run(const haft_case *c, const arguments *a, terminal *t) {
-    haft_error error = {0};
-    char results[PATH_CAPACITY], laws_path[PATH_CAPACITY];
-    char digest[HAFT_DIGEST_CAPACITY];
-    haft_laws *laws = NULL;
-    haft_progress progress = terminal_progress(t);
-    haft_summary *summary = NULL;
-    haft_status status = prepare_run(a, results, laws_path, &error);
-    if (status == HAFT_OK) {
-        summary = haft_memory_alloc(c->realizations, sizeof *summary, &error);
-        status = summary == NULL
-                     ? HAFT_ERROR_MEMORY
-                     : haft_study_obtain_laws(&laws, digest, c, laws_path, &progress, &error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_run(summary, c, laws, digest, results, a->force, &progress, &error);
-        bool partly = status == HAFT_ERROR_INTERRUPTED;
-        if (status == HAFT_OK || partly) {
-            haft_error own = {0};
-            haft_status saved = save_companions(c, summary, laws, a->folder, &own);
-            print_result(c, summary, a->json);
-            if (saved == HAFT_OK && !partly) {
-                saved = tell_failures(c, summary, results, &own);
-            }
-            if (saved != HAFT_OK) {
-                status = saved;
-                error = own;
-            }
+static const char NOT_ALL_RANKS[] = "another rank cannot begin; do all see the same files?";
+
+static bool any_done(const haft_case *c, const haft_summary *summary) {
+    for (size_t k = 0; k < c->realizations; k++) {
+        if (summary[k].outcome >= 0) {
+            return true;
         }
     }
-    haft_laws_destroy(&laws);
-    haft_memory_free(summary);
+    return false;
+}
+
+typedef struct run_paths {
+    char results[PATH_CAPACITY], laws[PATH_CAPACITY], parts[PATH_CAPACITY];
+} run_paths;
+
+/* What a run needs before it can begin; the folder is rank 0's to make. */
+static haft_status prepare_run(run_paths *paths, haft_summary **summary, const haft_case *c,
+                               const arguments *a, haft_error *error) {
+    *summary = haft_memory_alloc(c->realizations, sizeof **summary, error);
+    if (*summary == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    haft_status status = case_out_path(paths->results, a->folder, "results.h5", error);
+    if (status == HAFT_OK) {
+        status = case_out_path(paths->laws, a->folder, "laws.h5", error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(paths->parts, a->folder, "parts", error);
+    }
+    return status == HAFT_OK && haft_study_rank() == 0 ? make_out_folder(a->folder, NULL, error)
+                                                       : status;
+}
+
+/* Tells what came of a run, and its exit code. */
+static int tell_run(const haft_case *c, const arguments *a, const haft_summary *summary,
+                    const char *results, haft_status status, haft_error *error, terminal *t) {
+    if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && any_done(c, summary))) {
+        print_result(c, summary, a->json);
+    }
+    if (status == HAFT_OK) {
+        status = tell_failures(c, summary, results, error);
+    }
     if (status != HAFT_OK) {
         drop_empty_out_folder(a->folder);
     }
-    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
+    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, error);
+}
+
+static int command_run(const haft_case *c, const arguments *a, haft_run_mode mode, terminal *t) {
+    haft_error error = {0};
+    run_paths paths;
+    haft_summary *summary = NULL;
+    haft_status status = prepare_run(&paths, &summary, c, a, &error);
+    if (!haft_study_ranks_agree(status == HAFT_OK) && status == HAFT_OK) {
+        status = haft_error_set(&error, HAFT_ERROR_IO, NOT_ALL_RANKS);
+    }
+    if (status == HAFT_OK) {
+        runner r = {c, a};
+        haft_run_files files = {.laws = paths.laws,
+                                .results = paths.results,
+                                .parts = paths.parts,
+                                .beside = save_companions,
+                                .user = &r};
+        haft_progress progress = terminal_progress(t);
+        status = haft_study_run(summary, c, &files, mode, &progress, &error);
+    }
+    int code = EXIT_OK;
+    if (haft_study_rank() == 0) {
+        code = tell_run(c, a, summary, paths.results, status, &error, t);
+    }
+    haft_memory_free(summary);
+    return code;
 }
 
 /* ---- info
@@ -305,37 +396,67 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
+enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
+static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
+
+static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
+    switch (command) {
+    case CHECK:
+        return command_check(c, a);
+    case RUN:
+        return command_run(c, a, a->force ? HAFT_RUN_ANEW : HAFT_RUN_NEW, t);
+    case RESUME:
+        return command_run(c, a, HAFT_RUN_RESUME, t);
+    case PLOT:
+        return draw_case(c, a->folder, a->realization, t);
+    default:
+        return command_info(c, a, t);
+    }
+}
+
+/* Of several ranks, 0 alone speaks, and does alone what is no run. */
+static int start(const arguments *a, terminal *t) {
+    bool leads = haft_study_rank() == 0;
+    size_t command = 0;
+    while (command < COMMANDS && strcmp(a->command, commands[command]) != 0) {
+        command++;
+    }
+    bool runs = command == RUN || command == RESUME;
+    if (!leads && !runs) {
+        return EXIT_OK;
+    }
+    if (command == COMMANDS) {
+        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
+                a->command);
+        return EXIT_USAGE;
+    }
+    if (a->threads > 0) {
+        omp_set_num_threads(a->threads);
+    }
+    haft_error error = {0};
+    haft_case *c = NULL;
+    haft_status status = read_case(&c, a->folder, &error);
+    if (status != HAFT_OK) {
+        (void)(runs && haft_study_ranks_agree(false));
+        return leads ? terminal_fail(t, status, &error) : EXIT_OK;
+    }
+    int code = do_command(command, c, a, t);
+    haft_case_destroy(&c);
+    return terminal_finish(t, code);
+}
+
 int main(int argc, char **argv) {
+    haft_study_ranks_begin();
+    atexit(haft_study_ranks_end);
+    bool leads = haft_study_rank() == 0;
     argp_err_exit_status = EXIT_USAGE;
     argp_program_version = haft_version();
     static const struct argp program = {OPTIONS, parse, "COMMAND CASE", DOC, NULL, NULL, NULL};
     arguments a = {.realization = -1};
-    argp_parse(&program, argc, argv, 0, NULL, &a);
+    if (argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a) != 0) {
+        return EXIT_OK; /* rank 0 says what is wrong */
+    }
     terminal t;
     terminal_open(&t, "haft", a.quiet);
-    static const char *const commands[] = {"check", "run", "plot", "info"};
-    size_t command = 0;
-    while (command < 4 && strcmp(a.command, commands[command]) != 0) {
-        command++;
-    }
-    if (command == 4) {
-        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, plot or info\n",
-                a.command);
-        return EXIT_USAGE;
-    }
-    if (a.threads > 0) {
-        omp_set_num_threads(a.threads);
-    }
-    haft_error error = {0};
-    haft_case *c = NULL;
-    haft_status status = read_case(&c, a.folder, &error);
-    if (status != HAFT_OK) {
-        return terminal_fail(&t, status, &error);
-    }
-    int code = command == 0   ? command_check(c, &a)
-               : command == 1 ? command_run(c, &a, &t)
-               : command == 2 ? draw_case(c, a.folder, a.realization, &t)
-                              : command_info(c, &a, &t);
-    haft_case_destroy(&c);
-    return terminal_finish(&t, code);
+    return start(&a, &t);
 }

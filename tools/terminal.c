@@ -63,12 +63,14 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
     if (t->stage == NULL || strcmp(t->stage, stage) != 0) {
         t->stage = stage;
         t->started = time;
+        t->before = done; /* of an earlier run, if any */
         t->shown = 0;
         t->tenth = 0;
     }
     char left[32];
     double spent = time - t->started;
-    format_time(left, done > 1 ? spent / (double)done * (double)(total - done) : 0);
+    size_t own = done - t->before;
+    format_time(left, own > 0 ? spent / (double)own * (double)(total - done) : 0);
     if (t->live && (time - t->shown > 0.1 || done == total)) {
         t->shown = time;
         fprintf(stderr, "\r%-6s %6zu of %zu, %3zu %%, %s left   ", stage, done, total,

@@ -30,7 +30,8 @@ typedef struct terminal {
     bool live; /* standard error is a terminal */
     const char *stage;
     double started, shown;
-    size_t tenth; /* tenths told so far, where lines are all there is */
+    size_t before; /* done when the stage began */
+    size_t tenth;  /* tenths told so far, where lines are all there is */
 } terminal;
 
 /* Sets up output and catches SIGINT and SIGTERM. */

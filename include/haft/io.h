@@ -27,6 +27,9 @@ enum { HAFT_NAME_CAPACITY = 128, HAFT_TEXT_CAPACITY = 512 };
 /** Bounds of a sweep: keys varied together, values each; bytes of a variant's label. */
 enum { HAFT_SWEPT_KEYS_MAX = 8, HAFT_VARIANTS_MAX = 1000, HAFT_LABEL_CAPACITY = 96 };
 
+/** Where the stop rule looks: at prefixes of the realizations, from this many on, every so many. */
+enum { HAFT_STOP_LEAST = 30, HAFT_STOP_STRIDE = 10 };
+
 /** Where the solver's laws come from. */
 typedef enum haft_sampler {
     HAFT_SAMPLER_EXPLICIT, /**< patches cut from one seamless surface of the whole beam */
@@ -92,6 +95,13 @@ typedef struct haft_case {
 
     size_t realizations;
 
+    /** When a run may end before all realizations are done. */
+    struct {
+        double crack_length_mean; /**< half width of the mean's interval that is enough [m]; 0: none
+                                   */
+        double confidence;        /**< of this and all other intervals; default 95 % */
+    } stop;
+
     struct {
         bool all;
         size_t count;
@@ -124,10 +134,10 @@ typedef struct haft_case {
  *  right", and "and N more" where the message is full. A file that is no plain YAML document
  *  (syntax, anchors, tags, a second document, not UTF-8) is told by its first fault.
  *
- *  Absent: path, output, reference, law.chaos and load.limit take their defaults (load_limit
- * INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary false, its
- * fields 0); beam.element_length is required for a uniform mesh alone (else 0). mesh.active_from is
- * half of load.crack_length.
+ *  Absent: path, study.stop, output, reference, law.chaos and load.limit take their defaults
+ *  (load_limit INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary
+ *  false, its fields 0); beam.element_length is required for a uniform mesh alone (else 0).
+ *  mesh.active_from is half of load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);
@@ -143,6 +153,9 @@ void haft_case_destroy(haft_case **c);
  *  @return HAFT_ERROR_ARGUMENT if there is no such variant; else as haft_case_read(). */
 haft_status haft_case_read_variant(haft_case **out, const char *path, size_t variant,
                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** Shall this realization leave evidence? */
+bool haft_case_wants_evidence(const haft_case *c, size_t realization);
 
 /** The resolved case as YAML that reads back to the same bits; the caller frees it with
  *  haft_memory_free(). */
@@ -223,7 +236,8 @@ typedef struct haft_summary {
 
 /** A results file being written: one realization after another, in any order, by one thread at a
  *  time. Nothing shows under `path` before haft_results_finish(); until then all is held in memory
- *  (80 bytes a path point, 16 bytes a node and point of evidence; at the end twice that). */
+ *  (80 bytes a path point, 16 bytes a node and point of evidence; at the end twice that). A run
+ *  keeps its realizations in parts and makes this file out of them at its end. */
 typedef struct haft_results haft_results;
 
 /** Makes the temporary file PATH.tmp.PID, so that a folder that cannot be written is told at once.
@@ -249,6 +263,63 @@ haft_status haft_results_finish(haft_results **results, haft_error *error) HAFT_
 
 /** Drops an unfinished file and its temporary name; NULL is allowed. */
 void haft_results_abandon(haft_results **results);
+
+/* ---- parts: the realizations of an unfinished run ---- */
+
+/** One process's part of a run: a log FOLDER/part-RANK-NUMBER that grows by a checksummed record a
+ *  realization. A process that is killed loses what it had not yet appended, no more. */
+typedef struct haft_part haft_part;
+
+/** Starts a new part; it never touches those that are there.
+ *  @param[in] rank of the process in the run, for the name alone
+ *  @return HAFT_ERROR_IO (nothing is left behind), HAFT_ERROR_MEMORY. Thread-safe. */
+haft_status haft_part_create(haft_part **out, const char *folder, int rank, const haft_case *c,
+                             const char *laws_digest, haft_error *error) HAFT_MUST_CHECK;
+
+/** Appends one realization, whole or not at all, in any order. The kernel has it on return; the
+ * disk within about a second of further appending, or at haft_part_close(). One thread at a time.
+ *  @param[in] dofs unknowns of a state, where the path kept its states
+ *  @return HAFT_ERROR_IO (a full disk too): what was appended before stays whole. */
+haft_status haft_part_append(haft_part *part, size_t realization, const haft_path *path,
+                             size_t dofs, const haft_summary *summary,
+                             haft_error *error) HAFT_MUST_CHECK;
+
+/** Flushes to the disk and closes, and removes a part that holds nothing; NULL is allowed. The
+ * handle is gone whatever comes of it. */
+haft_status haft_part_close(haft_part **part, haft_error *error);
+
+/** A folder of parts, held by one run at a time (flock). */
+typedef struct haft_parts haft_parts;
+
+/** Makes the folder if need be and takes it.
+ *  @return HAFT_ERROR_EXISTS if another process holds it, HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
+haft_status haft_parts_hold(haft_parts **out, const char *folder,
+                            haft_error *error) HAFT_MUST_CHECK;
+
+/** Gives the folder up, and removes it if no part is left in it; NULL is allowed. */
+void haft_parts_release(haft_parts **parts);
+
+/** Reads all parts and finds out which realizations they hold, each checked against its checksum.
+ *  Torn tails and damaged records are told through `note` (may be NULL) with file and byte, and
+ *  skipped; the rest is kept.
+ *  @return HAFT_ERROR_INPUT if a part is of another case, other laws or another build of the
+ *  program; the message says what differs. haft_parts_files() is right even then. */
+haft_status haft_parts_scan(haft_parts *parts, const haft_case *c, const char *laws_digest,
+                            void (*note)(void *user, const char *text), void *user,
+                            haft_error *error) HAFT_MUST_CHECK;
+
+/** How many part files, and how many realizations in them, the last scan found. */
+size_t haft_parts_files(const haft_parts *parts);
+size_t haft_parts_found(const haft_parts *parts);
+bool haft_parts_has(const haft_parts *parts, size_t realization);
+
+/** Reads one realization back; its states too, if they were kept.
+ *  @param[in] dofs unknowns a state must have */
+haft_status haft_parts_read(haft_path **out, haft_summary *summary, const haft_parts *parts,
+                            size_t realization, size_t dofs, haft_error *error) HAFT_MUST_CHECK;
+
+/** Deletes all parts. */
+haft_status haft_parts_clear(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
 /** What `haft plot` and `haft info` need of a results file. Reading it checks the whole file
  *  against its checksum; the readers of one realization check the length alone. */
@@ -277,6 +348,10 @@ typedef struct haft_results_shapes {
 haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path,
                                      size_t realization, haft_error *error) HAFT_MUST_CHECK;
 void haft_results_shapes_destroy(haft_results_shapes **shapes);
+
+/** Removes the temporary files of `path` (PATH.tmp.PID) whose processes are no more on this
+ * machine. Thread-safe. */
+void haft_io_drop_stale(const char *path);
 
 /** A column of a CSV file. */
 typedef struct haft_csv_column {

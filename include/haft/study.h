@@ -100,29 +100,128 @@ haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haf
                                const haft_model *model, const haft_site_laws *laws,
                                bool keep_states, haft_error *error) HAFT_MUST_CHECK;
 
-/** Runs all realizations over OpenMP threads into the results file `path`; the same bits for any
- *  number of threads but for /summary/seconds. Stopped early, it writes what is done.
- *  @param[out] summary the case's realizations; outcome -1 where one was not run
- *  @return HAFT_ERROR_INTERRUPTED if stopped, after writing. */
-haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_laws *laws,
-                           const char *laws_digest, const char *path, bool overwrite,
-                           const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
+/** Joins the processes that `mpirun` started for this program (MPI_Init_thread); to be called first
+ *  thing in main, by the thread that will call haft_study_run(). Does nothing where Haft was built
+ *  without HAFT_MPI. */
+void haft_study_ranks_begin(void);
 
-/** Statistics of the crack lengths of those realizations that stuck. */
+/** Leaves them again (MPI_Finalize), if they were joined; fit for atexit(). */
+void haft_study_ranks_end(void);
+
+/** This process's number among them, and how many they are; 0 of 1 where there are no others. */
+int haft_study_rank(void);
+int haft_study_ranks(void);
+
+/** Are all of them ready? Each must call it once, ready or not, before haft_study_run(). */
+bool haft_study_ranks_agree(bool ready);
+
+/** Where a run finds its laws and keeps what it makes. */
+typedef struct haft_run_files {
+    const char *laws;    /**< laws.h5: read, or built where its inputs changed */
+    const char *results; /**< results.h5 */
+    const char *parts;   /**< folder of the realizations of an unfinished run */
+    /** Writes what lies beside the results, once they are in place and before the parts go: so a
+     * run killed in between is resumed. May be NULL. */
+    haft_status (*beside)(void *user, const haft_summary *summary, const haft_laws *laws,
+                          haft_error *error);
+    void *user;
+} haft_run_files;
+
+typedef enum haft_run_mode {
+    HAFT_RUN_NEW,    /**< nothing of an earlier run may be there */
+    HAFT_RUN_ANEW,   /**< replaces what is there */
+    HAFT_RUN_RESUME, /**< does what an unfinished run has left to do */
+} haft_run_mode;
+
+/** Runs the realizations of a case over OpenMP threads, and over ranks where there are several: all
+ *  call it with the same arguments and see the same files; rank 0 builds the laws, hands out the
+ *  realizations one by one, tells progress, and makes the results; the others return HAFT_OK with
+ *  nothing to tell. Each realization is appended to a part file as soon as
+ *  it is done, so that a run ended by whatever means loses only what was in work; at the end the
+ *  parts become the results file, in order of realization, and go. The same bits for any number of
+ *  threads, ranks and interruptions, but for /summary/seconds.
+ *
+ *  Stop rule (case key study.stop.crack_length_mean): the run needs only the realizations 0 to n-1,
+ *  n the least multiple of HAFT_STOP_STRIDE from HAFT_STOP_LEAST on for which half the width of the
+ *  mean's interval over them is at most that; what was done beyond is dropped.
+ *
+ *  Stopped through `progress`, it keeps the parts and writes the results done so far as well.
+ *  @param[out] summary the case's realizations; outcome -1 where one was not run or was dropped
+ *  @return HAFT_ERROR_EXISTS if results or parts are there (NEW) or another process is at work on
+ *  them; HAFT_ERROR_INPUT if there is nothing to resume, or it belongs to another case, other laws
+ *  or another build; HAFT_ERROR_INTERRUPTED if stopped, after writing. After any failure the parts
+ *  stay where they hold anything. */
+haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_run_files *files,
+                           haft_run_mode mode, const haft_progress *progress,
+                           haft_error *error) HAFT_MUST_CHECK;
+
+/** A confidence interval; an end that the data do not bound is -INFINITY or INFINITY. */
+typedef struct haft_interval {
+    double low, high;
+} haft_interval;
+
+/** Confidence where a case gives none. */
+#define HAFT_STUDY_CONFIDENCE 0.95
+
+/** Interval of a mean: mean -+ t s / sqrt(n), t Student's quantile with n - 1 degrees of freedom;
+ *  exact for normal data, good for any of finite variance and n beyond some tens.
+ *  @param[in] deviation s, with n - 1
+ *  @return NaN for n < 2. Thread-safe. Source: Student (1908). */
+haft_interval haft_study_mean_interval(double mean, double deviation, size_t n, double confidence);
+
+/** Interval of a standard deviation: s sqrt((n-1) / chi2), chi2 the quantiles of n - 1 degrees of
+ *  freedom; for normal data alone: heavier tails make it too narrow.
+ *  @return NaN for n < 2. Thread-safe. */
+haft_interval haft_study_deviation_interval(double deviation, size_t n, double confidence);
+
+/** Interval of a probability of which k of n draws came true; its coverage is never below the
+ *  confidence. @return NaN for n = 0. Thread-safe. Source: Clopper and Pearson (1934). */
+haft_interval haft_study_share_interval(size_t k, size_t n, double confidence);
+
+/** Ranks (from 1) of the order statistics between which the quantile of a continuous distribution
+ *  lies with at least this confidence, whatever the distribution: P(B < low), P(B >= high) <= (1 -
+ *  confidence) / 2 with B binomial of n and share.
+ *  @param[out] low 0 where n is too small for a lower bound
+ *  @param[out] high n + 1 where it is too small for an upper. Thread-safe. Source: Thompson (1936).
+ */
+void haft_study_quantile_ranks(size_t n, double share, double confidence, size_t *low,
+                               size_t *high);
+
+/** The quantiles that statistics give: 5 %, 50 %, 95 %. */
+enum { HAFT_STUDY_QUANTILES = 3 };
+extern const double haft_study_quantiles[HAFT_STUDY_QUANTILES];
+
+/** Statistics of the crack lengths. Mean and deviation are of the beams that stuck; for quantiles a
+ *  free beam is a length censored at the beam's end, and for both the failed ones do not count. */
 typedef struct haft_statistics {
     size_t run, stuck, free, failed;
+    double confidence;                      /**< of the intervals */
     double mean, deviation, standard_error; /**< [m], NaN where too few */
+    haft_interval mean_interval;            /**< [m] Student */
+    haft_interval deviation_interval;       /**< [m] chi-square: assumes normal crack lengths */
     double least, greatest;                 /**< [m] */
-    double gamma;                           /**< Eq. 36 of the mean crack length [J/m^2] */
-    double jumps, seconds;                  /**< a realization, mean */
-    double ledger_error;                    /**< the greatest */
-    size_t unfit;                           /**< in all */
+    double quantile[HAFT_STUDY_QUANTILES];  /**< [m]; INFINITY where it lies among the free */
+    haft_interval quantile_interval[HAFT_STUDY_QUANTILES]; /**< [m] free of a distribution; among
+                                                              the free from the beam's length on */
+    double stuck_share;           /**< of those that stuck or are free; NaN if there is none */
+    haft_interval stuck_interval; /**< Clopper-Pearson */
+    double gamma;                 /**< Eq. 36 of the mean crack length [J/m^2] */
+    double jumps, seconds;        /**< a realization, mean */
+    double ledger_error;          /**< the greatest */
+    size_t unfit;                 /**< in all */
 } haft_statistics;
+
+/** @param[in] c its study.stop.confidence is the intervals', 0 the default. Thread-safe. */
 haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *summary, size_t n);
 
 /** Writes summary.csv, one row a realization. */
 haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
                                      haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes convergence.csv: mean and standard deviation of the crack length with their intervals
+ * over the first n beams, for up to 2000 n up to all (Fig. 19a, b). */
+haft_status haft_study_write_convergence(const haft_case *c, const haft_summary *summary, size_t n,
+                                         const char *path, haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes laws.csv, one row a law: its vector, its fault (a haft_law_fault) and what its patch
  * looks like where the force vanishes. */

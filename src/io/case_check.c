@@ -250,6 +250,17 @@ static void check_chaos(haft_case_reader *reader) {
     }
 }
 
+static void check_stop(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    if (given(reader, "study.stop.crack_length_mean") && sound(reader, "study.realizations") &&
+        c->realizations <= HAFT_STOP_LEAST) {
+        WRONG(reader, "study.stop.crack_length_mean",
+              "can end nothing before %d realizations, of which there are %zu; give realizations: "
+              "%d at least, or leave it out",
+              HAFT_STOP_LEAST, c->realizations, HAFT_STOP_LEAST + 1);
+    }
+}
+
 static void check_evidence(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     if (!sound(reader, "output.evidence") || !sound(reader, "study.realizations")) {
@@ -275,5 +286,6 @@ void haft_case_cross_check(haft_case_reader *reader) {
     check_load(reader);
     check_distance(reader);
     check_chaos(reader);
+    check_stop(reader);
     check_evidence(reader);
 }

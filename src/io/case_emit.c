@@ -167,6 +167,15 @@ static haft_status write_text(char **text, size_t *size, const haft_case *c,
     return HAFT_OK;
 }
 
+bool haft_case_wants_evidence(const haft_case *c, size_t realization) {
+    for (size_t i = 0; i < c->evidence.count && !c->evidence.all; i++) {
+        if (c->evidence.realization[i] == realization) {
+            return true;
+        }
+    }
+    return c->evidence.all;
+}
+
 haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) {
     *text = NULL;
     char *written = NULL;

@@ -57,6 +57,7 @@ const haft_section haft_case_sections[] = {
     {"load", HAFT_SECTION_REQUIRED},
     {"path", HAFT_SECTION_OPTIONAL},
     {"study", HAFT_SECTION_REQUIRED},
+    {"study.stop", HAFT_SECTION_OPTIONAL},
     {"output", HAFT_SECTION_OPTIONAL},
     {"reference", HAFT_SECTION_OPTIONAL},
 };
@@ -185,6 +186,10 @@ const haft_key haft_case_keys[] = {
 
     COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations),
           .laws = HAFT_LAWS_DIRECT),
+    REAL("study.stop.crack_length_mean", "m", POSITIVE, .fallback = "none", .example = "0.5 um",
+         .offset = AT(stop.crack_length_mean)),
+    REAL("study.stop.confidence", "1", SHARE, .fallback = "95 %", .example = "95 %",
+         .offset = AT(stop.confidence)),
 
     {.path = "output.evidence",
      .type = HAFT_KEY_EVIDENCE,

@@ -99,15 +99,6 @@ void haft_results_abandon(haft_results **results) {
     *results = NULL;
 }
 
-static bool wants_evidence(const haft_case *c, size_t realization) {
-    for (size_t i = 0; i < c->evidence.count; i++) {
-        if (c->evidence.realization[i] == realization) {
-            return true;
-        }
-    }
-    return c->evidence.all;
-}
-
 /* ---- a path ---- */
 
 static void write_path(haft_hdf *hdf, size_t realization, const haft_path *path) {
@@ -234,7 +225,7 @@ static haft_status check_addition(const haft_results *results, size_t realizatio
                               "%s: realization %zu was added before or is not one of %zu",
                               results->path, realization, results->c.realizations);
     }
-    if (wants_evidence(&results->c, realization) &&
+    if (haft_case_wants_evidence(&results->c, realization) &&
         (path->state == NULL || model->nodes == 0 || model->dofs != 2 * (model->nodes - 1))) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                               "%s: realization %zu shall leave evidence, but its states were not "
@@ -260,7 +251,7 @@ haft_status haft_results_add(haft_results *results, size_t realization, const ha
                        results->path);
     }
     write_path(hdf, realization, path);
-    if (hdf->status == HAFT_OK && wants_evidence(&results->c, realization)) {
+    if (hdf->status == HAFT_OK && haft_case_wants_evidence(&results->c, realization)) {
         write_evidence(results, realization, path, model, laws, vectors);
     }
     if (hdf->status == HAFT_OK) {

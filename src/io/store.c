@@ -3,10 +3,14 @@
  * sees the old file or the new one, and a failure leaves the old. What a killed process leaves is
  * its temporary file, named PATH.tmp.PID. */
 #include "store.h"
+#include "haft/io.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -154,6 +158,35 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     flush_folder(store->path);
     release(store);
     return HAFT_OK;
+}
+
+/* Is this what a process that is no more left of `prefix`? */
+static bool is_stale(const char *name, const char *prefix) {
+    size_t n = strlen(prefix);
+    if (strncmp(name, prefix, n) != 0 || strspn(name + n, "0123456789.") != strlen(name + n)) {
+        return false;
+    }
+    long maker = strtol(name + n, NULL, 10);
+    return maker > 0 && maker != getpid() && kill((pid_t)maker, 0) != 0 && errno == ESRCH;
+}
+
+void haft_io_drop_stale(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash == NULL ? path : slash + 1;
+    char folder[4096], stale[4096 + 256], prefix[300];
+    snprintf(folder, sizeof folder, "%.*s", slash == NULL ? 1 : (int)(slash - path + 1),
+             slash == NULL ? "." : path);
+    snprintf(prefix, sizeof prefix, "%s.tmp.", name);
+    DIR *entries = opendir(folder);
+    if (entries == NULL) {
+        return;
+    }
+    for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
+        if (is_stale(e->d_name, prefix)) {
+            snprintf(stale, sizeof stale, "%s/%s", folder, e->d_name);
+            unlink(stale);
+        }
+    }
+    closedir(entries);
 }
 
 haft_status haft_store_put(const char *path, const void *data, size_t size, haft_error *error) {

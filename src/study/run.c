@@ -1,168 +1,338 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Realizations over threads. Each is solved by one thread alone and entered into the results in
- * their order, so neither the numbers nor the file depend on the number of threads. */
-#include "haft/study.h"
+/* A run from its start or from where another ended: what parts are there, what is left to do, and
+ * the results made of all parts at the end, in order of realization. */
+#include "crew.h"
 
-#include <math.h>
-#include <time.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+typedef struct run {
+    const haft_case *c;
+    const haft_run_files *files;
+    haft_run_mode mode;
+    const haft_progress *progress;
+    char laws_digest[HAFT_DIGEST_CAPACITY];
+    haft_parts *parts;
+    haft_laws *laws;
+    haft_model *model;
+    haft_desk desk;
+    bool started; /* the other ranks were told */
+    haft_error *error;
+} run;
+
+static void tell(const run *r, const char *text) {
+    if (r->progress != NULL && r->progress->note != NULL) {
+        r->progress->note(r->progress->user, text);
+    }
 }
 
-haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haft_case *c,
-                               const haft_model *model, const haft_site_laws *laws,
-                               bool keep_states, haft_error *error) {
-    haft_path_options options = c->path;
-    options.keep_states = keep_states;
-    double start = now();
-    haft_status status = haft_solve_path(out, model, laws->law, &c->programme, &options, error);
-    if (status != HAFT_OK) {
-        return status;
+static void note_on(void *user, const char *text) {
+    tell(user, text);
+}
+
+/* ---- the start ---- */
+
+static haft_status check_results(const run *r) {
+    struct stat found;
+    bool there = lstat(r->files->results, &found) == 0;
+    if (there && S_ISDIR(found.st_mode)) {
+        return haft_error_set(r->error, HAFT_ERROR_IO, "%s is a directory; move it away",
+                              r->files->results);
     }
-    const haft_path *path = *out;
-    haft_path_point end = {0}, turn = {0};
-    if (path->points > 0) {
-        end = path->point[path->points - 1];
-        turn = path->point[path->turn];
+    if (there && r->mode == HAFT_RUN_NEW) {
+        return haft_error_set(r->error, HAFT_ERROR_EXISTS,
+                              "%s is there already; add --force to replace it", r->files->results);
     }
-    bool solved = path->outcome == HAFT_OUTCOME_STUCK || path->outcome == HAFT_OUTCOME_FREE;
-    bool stuck = path->outcome == HAFT_OUTCOME_STUCK;
-    *summary = (haft_summary){
-        .crack_length = solved ? end.crack_length : NAN,
-        .loaded_crack_length = path->points > 0 ? turn.crack_length : NAN,
-        .gamma = stuck ? haft_beam_effective_energy(&c->beam, end.crack_length) : 0,
-        .work = end.work,
-        .dissipated = end.dissipated,
-        .ledger_error = path->ledger_error,
-        .seconds = now() - start,
-        .outcome = (int)path->outcome,
-        .jumps = (int)path->jumps,
-        .steps = (int)path->points,
-        .unfit = (int)laws->unfit,
-    };
     return HAFT_OK;
 }
 
-static bool wants_evidence(const haft_case *c, size_t realization) {
-    for (size_t i = 0; i < c->evidence.count && !c->evidence.all; i++) {
-        if (c->evidence.realization[i] == realization) {
-            return true;
-        }
+/* A new run refuses to begin over the parts of another. */
+static haft_status refuse_parts(run *r) {
+    haft_error own = {0};
+    haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, note_on, r, &own);
+    if (status == HAFT_ERROR_INPUT) {
+        return haft_error_set(r->error, HAFT_ERROR_EXISTS, "an unfinished run is there already: %s",
+                              own.message);
     }
-    return c->evidence.all;
+    if (status != HAFT_OK) {
+        return haft_error_set(r->error, status, "%s", own.message);
+    }
+    return haft_parts_files(r->parts) == 0
+               ? HAFT_OK
+               : haft_error_set(r->error, HAFT_ERROR_EXISTS,
+                                "%s: an unfinished run is there already, with %zu of %zu "
+                                "realizations; go on with it by `haft resume`, or start anew with "
+                                "--force",
+                                r->files->parts, haft_parts_found(r->parts), r->c->realizations);
 }
 
-/* What the loop over realizations shares. */
-typedef struct campaign {
-    const haft_case *c;
-    const haft_laws *laws;
-    const haft_model *model;
-    haft_results *results;
-    haft_summary *summary;
-    const haft_progress *progress;
-    size_t done;
-    haft_status status; /* of the first failure */
-    bool halt;
-} campaign;
+static haft_status find_parts(run *r) {
+    char text[HAFT_TEXT_CAPACITY];
+    haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, note_on, r, r->error);
+    if (status == HAFT_OK && haft_parts_files(r->parts) > 0) {
+        snprintf(text, sizeof text, "%zu of %zu realizations are there from the unfinished run",
+                 haft_parts_found(r->parts), r->c->realizations);
+        tell(r, text);
+    }
+    return status;
+}
 
-/* One realization, up to its entry into the results. */
-typedef struct outcome {
-    haft_site_laws *laws;
-    haft_path *path;
+static haft_status restore(run *r) {
+    for (size_t k = 0; k < r->c->realizations; k++) {
+        if (haft_parts_has(r->parts, k)) {
+            haft_path *path = NULL;
+            haft_summary summary;
+            haft_status status =
+                haft_parts_read(&path, &summary, r->parts, k, r->model->dofs, r->error);
+            haft_path_destroy(&path);
+            if (status != HAFT_OK) {
+                return status;
+            }
+            haft_desk_restore(&r->desk, k, &summary);
+        }
+    }
+    return HAFT_OK;
+}
+
+/* ---- a run that is complete ---- */
+
+static haft_status check_same_case(const run *r, const haft_results_view *view) {
+    char *text = NULL;
+    haft_status status = haft_case_emit(&text, r->c, r->error);
+    if (status == HAFT_OK && strcmp(text, view->resolved_case) != 0) {
+        status = haft_error_set(r->error, HAFT_ERROR_INPUT,
+                                "%s is of another case.yaml than there is now; put that back, or "
+                                "start anew with `haft run --force`",
+                                r->files->results);
+    }
+    haft_memory_free(text);
+    return status;
+}
+
+/* There are no parts: either all is done, or nothing was ever begun. */
+static haft_status take_complete(run *r) {
+    haft_results_view *view = NULL;
+    if (access(r->files->results, F_OK) != 0) {
+        return haft_error_set(r->error, HAFT_ERROR_INPUT,
+                              "%s: there is no unfinished run to resume; start one with `haft run`",
+                              r->files->parts);
+    }
+    haft_status status = haft_results_read(&view, r->files->results, r->error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    status = check_same_case(r, view);
+    for (size_t k = 0; status == HAFT_OK && k < view->realizations; k++) {
+        if (view->summary[k].outcome >= 0) {
+            haft_desk_restore(&r->desk, k, &view->summary[k]);
+        }
+    }
+    haft_results_view_destroy(&view);
+    if (status == HAFT_OK && r->desk.count < r->desk.end) {
+        status = haft_error_set(r->error, HAFT_ERROR_INPUT,
+                                "%s holds %zu of %zu realizations, and the parts to go on from are "
+                                "gone; start anew with `haft run --force`",
+                                r->files->results, r->desk.count, r->desk.end);
+    }
+    if (status == HAFT_OK) {
+        tell(r, "the run is complete: nothing is left to do");
+    }
+    return status;
+}
+
+/* ---- the results ---- */
+
+static haft_status add_one(const run *r, haft_results *results, size_t k) {
+    haft_path *path = NULL;
+    haft_site_laws *laws = NULL;
     haft_summary summary;
-    haft_error error;
-    haft_status status;
-} outcome;
-
-static outcome solve_one(const campaign *job, size_t k) {
-    outcome o = {.status = HAFT_OK};
-    o.status = haft_study_site_laws(&o.laws, job->c, job->laws, k, &o.error);
-    if (o.status == HAFT_OK) {
-        o.status = haft_study_realize(&o.path, &o.summary, job->c, job->model, o.laws,
-                                      wants_evidence(job->c, k), &o.error);
-    }
-    return o;
-}
-
-static void enter_one(campaign *job, size_t k, outcome *o, haft_error *error) {
-    if (job->status == HAFT_OK && o->status == HAFT_OK) {
-        o->status = haft_results_add(job->results, k, o->path, job->model, o->laws->law,
-                                     o->laws->vector, &o->summary, &o->error);
-    }
-    if (o->status != HAFT_OK && job->status == HAFT_OK) {
-        job->status = haft_error_set(error, o->status, "realization %zu: %s", k, o->error.message);
-    }
-    if (job->status == HAFT_OK) {
-        job->summary[k] = o->summary;
-        job->done++;
-        const haft_progress *p = job->progress;
-        if (p != NULL && p->advance != NULL) {
-            p->advance(p->user, "beams", job->done, job->c->realizations);
-        }
-        if (p != NULL && p->stop != NULL && job->done < job->c->realizations && p->stop(p->user)) {
-            job->status = haft_error_set(error, HAFT_ERROR_INTERRUPTED,
-                                         "stopped after %zu of %zu realizations; these are kept",
-                                         job->done, job->c->realizations);
-        }
-    }
-}
-
-static void run_all(campaign *job, haft_error *error) {
-    long n = (long)job->c->realizations;
-#pragma omp parallel for ordered schedule(dynamic, 1)
-    for (long k = 0; k < n; k++) {
-        bool halt;
-#pragma omp atomic read
-        halt = job->halt;
-        outcome o = {.status = HAFT_ERROR_INTERRUPTED};
-        if (!halt) {
-            o = solve_one(job, (size_t)k);
-        }
-#pragma omp ordered
-        {
-            if (!halt && !job->halt) {
-                enter_one(job, (size_t)k, &o, error);
-            }
-            if (job->status != HAFT_OK) {
-#pragma omp atomic write
-                job->halt = true;
-            }
-        }
-        haft_path_destroy(&o.path);
-        haft_site_laws_destroy(&o.laws);
-    }
-}
-
-haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_laws *laws,
-                           const char *laws_digest, const char *path, bool overwrite,
-                           const haft_progress *progress, haft_error *error) {
-    haft_model *model = NULL;
-    campaign job = {.c = c, .laws = laws, .summary = summary, .progress = progress};
-    for (size_t k = 0; k < c->realizations; k++) {
-        summary[k] = (haft_summary){
-            .crack_length = NAN, .loaded_crack_length = NAN, .gamma = NAN, .outcome = -1};
-    }
-    haft_status status = haft_model_create_beam(&model, &c->beam, &c->mesh, error);
-    if (status == HAFT_OK) {
-        status = haft_results_create(&job.results, path, c, laws_digest, overwrite, error);
+    haft_status status = haft_parts_read(&path, &summary, r->parts, k, r->model->dofs, r->error);
+    if (status == HAFT_OK && haft_case_wants_evidence(r->c, k)) {
+        status = haft_study_site_laws(&laws, r->c, r->laws, k, r->error);
     }
     if (status == HAFT_OK) {
-        job.model = model;
-        run_all(&job, error);
-        status = job.status;
-        bool keep = status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && job.done > 0);
-        if (keep) {
-            haft_error own = {0};
-            haft_status finished = haft_results_finish(&job.results, &own);
-            if (finished != HAFT_OK) {
-                status = haft_error_set(error, finished, "%s", own.message);
-            }
-        }
-        haft_results_abandon(&job.results);
+        status = haft_results_add(results, k, path, r->model, laws == NULL ? NULL : laws->law,
+                                  laws == NULL ? NULL : laws->vector, &summary, r->error);
     }
-    haft_model_destroy(&model);
+    haft_site_laws_destroy(&laws);
+    haft_path_destroy(&path);
+    return status;
+}
+
+static haft_status merge(run *r) {
+    haft_results *results = NULL;
+    haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, NULL, NULL, r->error);
+    if (status == HAFT_OK) {
+        status = haft_results_create(&results, r->files->results, r->c, r->laws_digest,
+                                     r->mode != HAFT_RUN_NEW, r->error);
+    }
+    for (size_t k = 0; status == HAFT_OK && k < r->desk.end; k++) {
+        if (r->desk.done[k]) {
+            status = add_one(r, results, k);
+        }
+    }
+    if (status == HAFT_OK) {
+        status = haft_results_finish(&results, r->error);
+    }
+    haft_results_abandon(&results);
+    return status;
+}
+
+/* Makes the files of what is done. The parts go only when nothing is missing. */
+static haft_status conclude(run *r, haft_status outcome) {
+    haft_error said = *r->error;
+    haft_status status = merge(r);
+    if (status == HAFT_OK && r->files->beside != NULL) {
+        status = r->files->beside(r->files->user, r->desk.summary, r->laws, r->error);
+    }
+    if (status == HAFT_OK && outcome == HAFT_OK) {
+        status = haft_parts_clear(r->parts, r->error);
+    }
+    if (status == HAFT_OK) {
+        *r->error = said;
+        return outcome;
+    }
+    return status;
+}
+
+static void tell_stop(const run *r) {
+    if (r->desk.end < r->c->realizations) {
+        char text[HAFT_TEXT_CAPACITY];
+        snprintf(text, sizeof text,
+                 "study.stop: the mean crack length is known to +- %.3g um (%.6g %% confidence) "
+                 "after %zu of %zu realizations",
+                 1e6 * haft_moments_half_width(&r->desk.moments, r->c->stop.confidence),
+                 100 * r->c->stop.confidence, r->desk.end, r->c->realizations);
+        tell(r, text);
+    }
+}
+
+/* ---- all of it ---- */
+
+static haft_status prepare(run *r) {
+    haft_status status = haft_study_obtain_laws(&r->laws, r->laws_digest, r->c, r->files->laws,
+                                                r->progress, r->error);
+    if (status == HAFT_OK) {
+        status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
+    }
+    if (status == HAFT_OK) { /* the old parts stay until here */
+        status = r->mode == HAFT_RUN_ANEW ? haft_parts_clear(r->parts, r->error) : restore(r);
+    }
+    return status;
+}
+
+static haft_status go(run *r) {
+    haft_status status = prepare(r);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    haft_crew crew = {.c = r->c,
+                      .laws = r->laws,
+                      .model = r->model,
+                      .folder = r->files->parts,
+                      .laws_digest = r->laws_digest,
+                      .desk = &r->desk};
+    haft_error own = {0};
+    haft_desk_begin(&r->desk);
+    haft_relay_start(true);
+    r->started = true;
+    status = haft_crew_work(&crew, &own);
+    if (status != HAFT_OK) {
+        haft_desk_abort(&r->desk, status, own.message);
+    }
+    status = haft_desk_outcome(&r->desk);
+    if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->desk.count > 0)) {
+        if (status == HAFT_OK) {
+            tell_stop(r);
+        }
+        status = conclude(r, status);
+    }
+    if (status != HAFT_OK && status != HAFT_ERROR_INTERRUPTED && r->desk.count > 0) {
+        haft_error said = *r->error;
+        status = haft_error_set(r->error, status,
+                                "%s; the %zu realizations done are kept, and `haft resume` goes on "
+                                "from there",
+                                said.message, r->desk.count);
+    }
+    return status;
+}
+
+/* Takes the folder of parts, and looks whether what is there lets this run begin. */
+static haft_status begin(run *r) {
+    haft_status status = haft_case_laws_digest(r->c, r->laws_digest, r->error);
+    if (status == HAFT_OK) {
+        status = haft_parts_hold(&r->parts, r->files->parts, r->error);
+    }
+    if (status == HAFT_OK && r->mode == HAFT_RUN_NEW) {
+        status = refuse_parts(r);
+    } else if (status == HAFT_OK && r->mode == HAFT_RUN_RESUME) {
+        status = find_parts(r);
+    }
+    return status == HAFT_OK ? check_results(r) : status;
+}
+
+/* What another rank than 0 does: its share of the realizations, and nothing else. */
+static haft_status lend_a_hand(run *r) {
+    if (!haft_relay_await_start()) {
+        return HAFT_OK; /* rank 0 says why */
+    }
+    char built[HAFT_DIGEST_CAPACITY];
+    haft_status status = haft_case_laws_digest(r->c, r->laws_digest, r->error);
+    if (status == HAFT_OK) {
+        status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
+    }
+    if (status == HAFT_OK && strcmp(built, r->laws_digest) != 0) {
+        status = haft_error_set(r->error, HAFT_ERROR_INPUT,
+                                "%s was built from other inputs than rank %d sees; do all ranks "
+                                "see the same files?",
+                                r->files->laws, haft_study_rank());
+    }
+    if (status == HAFT_OK) {
+        status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
+    }
+    if (status == HAFT_OK) {
+        haft_crew crew = {.c = r->c,
+                          .laws = r->laws,
+                          .model = r->model,
+                          .folder = r->files->parts,
+                          .laws_digest = r->laws_digest};
+        status = haft_crew_work(&crew, r->error);
+    }
+    haft_relay_leave(status, r->error->message);
+    return HAFT_OK;
+}
+
+static haft_status lead(run *r, haft_summary *summary) {
+    haft_status status = haft_desk_open(&r->desk, summary, r->c, r->progress, r->error);
+    if (status == HAFT_OK) {
+        status = begin(r);
+    }
+    if (status == HAFT_OK) {
+        haft_io_drop_stale(r->files->results);
+        haft_io_drop_stale(r->files->laws);
+        bool nothing = r->mode == HAFT_RUN_RESUME && haft_parts_files(r->parts) == 0;
+        status = nothing ? take_complete(r) : go(r);
+    }
+    if (!r->started) {
+        haft_relay_start(false);
+    }
+    return status;
+}
+
+haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_run_files *files,
+                           haft_run_mode mode, const haft_progress *progress, haft_error *error) {
+    haft_error unheard = {0};
+    run r = {.c = c,
+             .files = files,
+             .mode = mode,
+             .progress = progress,
+             .error = error != NULL ? error : &unheard};
+    haft_status status = haft_study_rank() == 0 ? lead(&r, summary) : lend_a_hand(&r);
+    haft_desk_close(&r.desk);
+    haft_model_destroy(&r.model);
+    haft_laws_destroy(&r.laws);
+    haft_parts_release(&r.parts);
     return status;
 }

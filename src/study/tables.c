@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Summaries as CSV, for whoever has no HDF5 at hand. */
-#include "haft/study.h"
+#include "moments.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CONVERGENCE_ROWS = 2000 };
 
 haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
                                      haft_error *error) {
@@ -28,6 +33,53 @@ haft_status haft_study_write_summary(const haft_summary *summary, size_t n, cons
         column[i] = (haft_csv_column){name[i], flat + i, COLUMNS, 1};
     }
     haft_status status = haft_csv_write(path, n, COLUMNS, column, error);
+    haft_memory_free(flat);
+    return status;
+}
+
+/* One row after the first n: of all that were run, and of those that stuck. */
+static void convergence_row(double row[8], size_t n, const haft_moments *moments,
+                            double confidence) {
+    double s = haft_moments_deviation(moments);
+    haft_interval mean = haft_study_mean_interval(moments->mean, s, moments->n, confidence);
+    haft_interval deviation = haft_study_deviation_interval(s, moments->n, confidence);
+    double value[8] = {
+        (double)n,           (double)moments->n,  moments->n > 0 ? moments->mean * 1e6 : NAN,
+        mean.low * 1e6,      mean.high * 1e6,     s * 1e6,
+        deviation.low * 1e6, deviation.high * 1e6};
+    memcpy(row, value, sizeof value);
+}
+
+haft_status haft_study_write_convergence(const haft_case *c, const haft_summary *summary, size_t n,
+                                         const char *path, haft_error *error) {
+    enum { COLUMNS = 8 };
+    static const char *const name[COLUMNS] = {
+        "beams",          "stuck",          "mean [um]",          "mean low [um]",
+        "mean high [um]", "deviation [um]", "deviation low [um]", "deviation high [um]"};
+    double confidence = c->stop.confidence > 0 ? c->stop.confidence : HAFT_STUDY_CONFIDENCE;
+    size_t stride = n / CONVERGENCE_ROWS + 1, rows = 0, run = 0;
+    double *flat = haft_memory_alloc((n / stride + 2) * COLUMNS, sizeof *flat, error);
+    if (flat == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    haft_moments moments = {0};
+    for (size_t k = 0; k < n; k++) {
+        if (summary[k].outcome >= 0) {
+            haft_moments_add(&moments, &summary[k]);
+            run++;
+            if (run % stride == 0) {
+                convergence_row(flat + COLUMNS * rows++, run, &moments, confidence);
+            }
+        }
+    }
+    if (run % stride != 0) {
+        convergence_row(flat + COLUMNS * rows++, run, &moments, confidence);
+    }
+    haft_csv_column column[COLUMNS];
+    for (int i = 0; i < COLUMNS; i++) {
+        column[i] = (haft_csv_column){name[i], flat + i, COLUMNS, 1};
+    }
+    haft_status status = haft_csv_write(path, rows, COLUMNS, column, error);
     haft_memory_free(flat);
     return status;
 }

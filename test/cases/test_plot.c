@@ -7,10 +7,11 @@ static bool have_gnuplot(void) {
 }
 
 /* Each is a PNG picture with its end in place and something in it. */
-static void check_pictures(const case_folder *c) {
-    static const char *const names[] = {"surface", "laws",   "shapes",
-                                        "energy",  "cracks", "overview"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+static void check_pictures(const case_folder *c, bool many) {
+    static const char *const names[] = {"surface", "laws",     "shapes",     "energy",
+                                        "cracks",  "overview", "convergence"};
+    assert_int_equal(exists(c, "out/plots/convergence.png"), many);
+    for (size_t i = 0; i < sizeof names / sizeof *names - !many; i++) {
         char name[100], path[400];
         size_t size = 0;
         snprintf(name, sizeof name, "out/plots/%s.png", names[i]);
@@ -38,7 +39,7 @@ static void a_run_is_drawn(void **state) {
     check_says(r.out, "out/plots");
     assert_string_equal(r.err, "");
     ran_free(&r);
-    check_pictures(&c);
+    check_pictures(&c, false);
     assert_false(exists(&c, "out/plots/hacked"));
     case_remove(&c);
 }
@@ -52,6 +53,8 @@ static void odd_runs_are_drawn_too(void **state) {
     static const edit variants[][3] = {
         {{"thickness: 1 um", "thickness: 10 um"}},
         {{"realizations: 2", "realizations: 1"}, {"kind: morse", "kind: table"}},
+        {{"realizations: 2", "realizations: 3"}},
+        {{"realizations: 2", "realizations: 3"}, {"thickness: 1 um", "thickness: 10 um"}},
     };
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
         case_folder c = case_create(variants[i]);
@@ -59,7 +62,7 @@ static void odd_runs_are_drawn_too(void **state) {
         ran r = run_expect(0, HAFT, ARGS("plot", c.path));
         assert_string_equal(r.err, "");
         ran_free(&r);
-        check_pictures(&c);
+        check_pictures(&c, i >= 2);
         case_remove(&c);
     }
 }

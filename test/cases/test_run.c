@@ -78,15 +78,14 @@ static void a_run_writes_all_its_files_and_says_what_came_of_it(void **state) {
     check_says(r.err, "no laws yet: building them");
     check_says(r.err, "laws ");
     check_says(r.err, "beams       2 of 2, 100 %");
-    check_says(r.out, "Haft     paper  measured");
+    check_says(r.out, "Haft 95 % interval            paper  measured");
     check_says(r.out, "standard deviation ");
     check_says(r.out, "     219.0     200.0\n");
     check_says(r.out, "beams: 2 run, 2 stuck, 0 free, 0 failed");
     ran_free(&r);
     char *names = listing(&c);
-    assert_string_equal(names,
-                        "case.yaml out out/laws.csv out/laws.h5 out/resolved.yaml out/results.h5 "
-                        "out/summary.csv ");
+    assert_string_equal(names, "case.yaml out out/convergence.csv out/laws.csv out/laws.h5 "
+                               "out/resolved.yaml out/results.h5 out/summary.csv ");
     free(names);
     r = run_expect(0, HAFT, ARGS("info", c.path, "--json"));
     check_json(r.out);

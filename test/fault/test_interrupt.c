@@ -105,8 +105,8 @@ static void beams_that_are_done_are_saved(void **state) {
         check_says(r.err, " of 10 realizations; these are kept");
         check_says(r.out, "standard deviation");
         ran_free(&r);
-        check_listing(&c, "case.yaml out out/laws.csv out/laws.h5 out/resolved.yaml out/results.h5 "
-                          "out/summary.csv ");
+        check_listing(&c, "case.yaml out out/convergence.csv out/laws.csv out/laws.h5 out/parts "
+                          "out/resolved.yaml out/results.h5 out/summary.csv ");
         char path[400];
         haft_error error = {0};
         haft_results_view *view = NULL;

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who gets which realization, and when a run is done. Private to this room. */
+#ifndef HAFT_STUDY_DESK_H
+#define HAFT_STUDY_DESK_H
+
+#include "moments.h"
+
+#include <omp.h>
+
+/* Hands realizations out in their order and takes their summaries back in any. Its functions may be
+ * called by any number of threads. */
+typedef struct haft_desk {
+    const haft_case *c;
+    const haft_progress *progress;
+    haft_summary *summary; /* realizations; the caller's */
+    bool *done;            /* realizations */
+    size_t next;           /* none below it is to be handed out any more */
+    size_t count;          /* done below `end` */
+    size_t end;            /* realizations to do; fewer once the stop rule holds */
+    haft_moments moments;  /* of the prefix in which all are done, for the stop rule */
+    size_t prefix;
+    bool interrupted;
+    haft_status status; /* of the failure of the lowest realization `failed`, or of all */
+    bool aborted;
+    size_t failed;
+    haft_error *error;
+    omp_lock_t lock;
+} haft_desk;
+
+haft_status haft_desk_open(haft_desk *desk, haft_summary *summary, const haft_case *c,
+                           const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
+void haft_desk_close(haft_desk *desk);
+
+/* Enters a realization that an earlier run has done, before the work begins. */
+void haft_desk_restore(haft_desk *desk, size_t realization, const haft_summary *summary);
+
+/* Tells how many are done before the work begins. */
+void haft_desk_begin(haft_desk *desk);
+
+/* The next realization to do; false if there is none, or the run shall end early. */
+bool haft_desk_next(haft_desk *desk, size_t *realization);
+
+/* One is done, or cannot be done; the second ends the run. */
+void haft_desk_enter(haft_desk *desk, size_t realization, const haft_summary *summary);
+void haft_desk_fail(haft_desk *desk, size_t realization, haft_status status, const char *message);
+
+/* Something else went wrong: ends the run. */
+void haft_desk_abort(haft_desk *desk, haft_status status, const char *message);
+
+/* What came of it, once all hands are still: HAFT_OK if all are done. */
+haft_status haft_desk_outcome(haft_desk *desk);
+
+#endif

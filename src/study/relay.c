@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A thread that wants work posts what became of its last realization and waits; the thread that
+ * speaks for its process carries both to rank 0 and brings the answer. One thread a process speaks,
+ * and sleeps when there is nothing to say: an answer takes a few milliseconds, a realization tens
+ * to thousands. */
+#include "relay.h"
+
+#include <string.h>
+
+enum { MESSAGE = 1024 };
+
+typedef struct letter {
+    uint64_t realization;
+    int status; /* a haft_status; HAFT_OK: done */
+    haft_summary summary;
+    char message[MESSAGE];
+} letter;
+
+static const uint64_t NO_REALIZATION = UINT64_MAX;
+
+typedef enum slot_state { WORKING, POSTED, ASKED, GIVEN, ENDED } slot_state;
+
+struct haft_relay_slot {
+    slot_state state;
+    bool has_letter;
+    letter letter;
+    uint64_t given;
+};
+
+haft_status haft_relay_open(haft_relay *relay, size_t threads, haft_error *error) {
+    *relay = (haft_relay){.slots = threads};
+    relay->slot = haft_memory_alloc(threads, sizeof *relay->slot, error);
+    if (relay->slot == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    omp_init_lock(&relay->lock);
+    return HAFT_OK;
+}
+
+void haft_relay_close(haft_relay *relay) {
+    if (relay->slot != NULL) {
+        omp_destroy_lock(&relay->lock);
+    }
+    haft_memory_free(relay->slot);
+    *relay = (haft_relay){0};
+}
+
+bool haft_relay_next(haft_relay *relay, size_t slot, size_t *realization) {
+    haft_relay_slot *own = &relay->slot[slot];
+    omp_set_lock(&relay->lock);
+    own->state = POSTED;
+    slot_state state = POSTED;
+    while (state != GIVEN && state != ENDED) {
+        omp_unset_lock(&relay->lock);
+        haft_ranks_rest();
+        omp_set_lock(&relay->lock);
+        state = own->state;
+    }
+    own->state = WORKING;
+    *realization = (size_t)own->given;
+    omp_unset_lock(&relay->lock);
+    return state == GIVEN;
+}
+
+static void post(haft_relay *relay, size_t slot, const letter *said) {
+    omp_set_lock(&relay->lock);
+    relay->slot[slot].letter = *said;
+    relay->slot[slot].has_letter = true;
+    omp_unset_lock(&relay->lock);
+}
+
+void haft_relay_enter(haft_relay *relay, size_t slot, size_t realization,
+                      const haft_summary *summary) {
+    letter said = {.realization = realization, .status = HAFT_OK, .summary = *summary};
+    post(relay, slot, &said);
+}
+
+void haft_relay_fail(haft_relay *relay, size_t slot, size_t realization, haft_status status,
+                     const char *message) {
+    letter said = {.realization = realization, .status = (int)status};
+    strncpy(said.message, message, MESSAGE - 1);
+    post(relay, slot, &said);
+}
+
+/* ---- on the other ranks ---- */
+
+static void carry(haft_relay *relay) {
+    for (size_t i = 0; i < relay->slots; i++) {
+        haft_relay_slot *slot = &relay->slot[i];
+        omp_set_lock(&relay->lock);
+        bool posted = slot->state == POSTED, has_letter = posted && slot->has_letter;
+        letter said = slot->letter;
+        if (posted) {
+            slot->has_letter = false;
+            slot->state = ASKED;
+        }
+        omp_unset_lock(&relay->lock);
+        if (has_letter) {
+            haft_ranks_send(0, said.status == HAFT_OK ? HAFT_RANKS_DONE : HAFT_RANKS_FAIL, &said,
+                            sizeof said);
+        }
+        if (posted) {
+            haft_ranks_send(0, HAFT_RANKS_ASK, NULL, 0);
+        }
+    }
+}
+
+/* Hands an answer to the first who waits for one. */
+static void hand_on(haft_relay *relay, slot_state state, uint64_t given) {
+    omp_set_lock(&relay->lock);
+    for (size_t i = 0; i < relay->slots; i++) {
+        if (relay->slot[i].state == ASKED) {
+            relay->slot[i].state = state;
+            relay->slot[i].given = given;
+            break;
+        }
+    }
+    omp_unset_lock(&relay->lock);
+}
+
+void haft_relay_speak(haft_relay *relay, const size_t *left, size_t threads) {
+    for (size_t gone = 0; gone < threads;) {
+        carry(relay);
+        int from = 0;
+        haft_ranks_tag tag = HAFT_RANKS_END;
+        while (haft_ranks_probe(&from, &tag)) {
+            uint64_t given = NO_REALIZATION;
+            if (tag == HAFT_RANKS_GIVE) {
+                haft_ranks_receive(from, tag, &given, sizeof given);
+                hand_on(relay, GIVEN, given);
+            } else {
+                haft_ranks_receive(from, tag, NULL, 0);
+                hand_on(relay, ENDED, given);
+            }
+        }
+        haft_ranks_rest();
+#pragma omp atomic read
+        gone = *left;
+    }
+}
+
+bool haft_relay_await_start(void) {
+    int from = 0, go = 0;
+    haft_ranks_tag tag = HAFT_RANKS_START;
+    while (!haft_ranks_probe(&from, &tag)) {
+        haft_ranks_rest();
+    }
+    haft_ranks_receive(from, tag, &go, sizeof go);
+    return go != 0;
+}
+
+void haft_relay_leave(haft_status status, const char *message) {
+    if (status != HAFT_OK) {
+        letter said = {.realization = NO_REALIZATION, .status = (int)status};
+        strncpy(said.message, message, MESSAGE - 1);
+        haft_ranks_send(0, HAFT_RANKS_FAIL, &said, sizeof said);
+    }
+    haft_ranks_send(0, HAFT_RANKS_GONE, NULL, 0);
+}
+
+/* ---- on rank 0 ---- */
+
+void haft_relay_start(bool go) {
+    int word = go;
+    for (int rank = 1; rank < haft_study_ranks(); rank++) {
+        haft_ranks_send(rank, HAFT_RANKS_START, &word, sizeof word);
+    }
+}
+
+/* Answers one message; true if its sender is gone. */
+static bool answer(haft_desk *desk, int from, haft_ranks_tag tag) {
+    if (tag == HAFT_RANKS_DONE || tag == HAFT_RANKS_FAIL) {
+        letter said;
+        haft_ranks_receive(from, tag, &said, sizeof said);
+        if (said.status == HAFT_OK) {
+            haft_desk_enter(desk, (size_t)said.realization, &said.summary);
+        } else if (said.realization == NO_REALIZATION) {
+            haft_desk_abort(desk, (haft_status)said.status, said.message);
+        } else {
+            haft_desk_fail(desk, (size_t)said.realization, (haft_status)said.status, said.message);
+        }
+        return false;
+    }
+    haft_ranks_receive(from, tag, NULL, 0);
+    if (tag == HAFT_RANKS_ASK) {
+        size_t k = 0;
+        bool more = haft_desk_next(desk, &k);
+        uint64_t given = k;
+        haft_ranks_send(from, more ? HAFT_RANKS_GIVE : HAFT_RANKS_END, &given,
+                        more ? sizeof given : 0);
+    }
+    return tag == HAFT_RANKS_GONE;
+}
+
+void haft_relay_serve(haft_desk *desk) {
+    for (int here = haft_study_ranks() - 1; here > 0;) {
+        int from = 0;
+        haft_ranks_tag tag = HAFT_RANKS_GONE;
+        while (haft_ranks_probe(&from, &tag)) {
+            here -= answer(desk, from, tag);
+        }
+        haft_ranks_rest();
+    }
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The desk of a run over several processes: rank 0 keeps it, the threads of the others reach it by
+ * messages. Private to this room. */
+#ifndef HAFT_STUDY_RELAY_H
+#define HAFT_STUDY_RELAY_H
+
+#include "desk.h"
+#include "ranks.h"
+
+/* What one thread of another rank has to tell and waits for. */
+typedef struct haft_relay_slot haft_relay_slot;
+
+/* The threads of a rank other than 0, and the one among them that speaks for all. */
+typedef struct haft_relay {
+    size_t slots;
+    haft_relay_slot *slot; /* one a thread */
+    omp_lock_t lock;
+} haft_relay;
+
+haft_status haft_relay_open(haft_relay *relay, size_t threads, haft_error *error) HAFT_MUST_CHECK;
+void haft_relay_close(haft_relay *relay);
+
+/* As the desk's: the next realization for thread `slot`, and what became of the last. */
+bool haft_relay_next(haft_relay *relay, size_t slot, size_t *realization);
+void haft_relay_enter(haft_relay *relay, size_t slot, size_t realization,
+                      const haft_summary *summary);
+void haft_relay_fail(haft_relay *relay, size_t slot, size_t realization, haft_status status,
+                     const char *message);
+
+/* Speaks for the threads until `left` of them, counted by atomic increments, have left. */
+void haft_relay_speak(haft_relay *relay, const size_t *left, size_t threads);
+
+/* On rank 0: answers the others until all are gone. */
+void haft_relay_serve(haft_desk *desk);
+
+/* On rank 0: lets the others begin, or go. On another rank: waits for that. */
+void haft_relay_start(bool go);
+bool haft_relay_await_start(void);
+
+/* On another rank, last of all: what failed besides realizations (HAFT_OK: nothing). */
+void haft_relay_leave(haft_status status, const char *message);
+
+#endif
