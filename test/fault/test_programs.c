@@ -65,7 +65,8 @@ static void wrong_usage_is_told(void **state) {
     const char *p = c.path;
     check_refused(&c, 2, HAFT, ARGS("fly", p),
                   SAYS("\"fly\"", "try check, run, resume, plot or info"));
-    check_refused(&c, 2, HAFT_LAWS, ARGS("fly", p), SAYS("\"fly\"", "try build or info"));
+    check_refused(&c, 2, HAFT_LAWS, ARGS("fly", p),
+                  SAYS("\"fly\"", "try build, info, sample or fit"));
     check_refused(&c, 2, HAFT, ARGS("run"), SAYS("a command and a case are needed", "haft run"));
     check_refused(&c, 2, HAFT, ARGS("run", p, "x"), SAYS("\"x\" is too much"));
     check_refused(&c, 2, HAFT, ARGS("run", p, "--fast"), SAYS("--fast", "--help"));

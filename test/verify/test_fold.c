@@ -236,9 +236,10 @@ static void softest(const scene *s, const long double *u, long double load, long
     }
 }
 
-/* Newton on the extended system; @return the size of its last step. */
+/* Newton on the extended system; @return the size of its last step, loads in the given unit: the
+ * greatest of the programme, for that of a fold near rest is a difference of such. */
 static long double extended_newton(const scene *s, long double *u, long double *v,
-                                   long double *load) {
+                                   long double *load, double unit) {
     static long double a[BORDERED][BORDERED + 1];
     long double x[BORDERED], last = INFINITY;
     for (int turn = 0; turn < 30 && last > 1e-17L; turn++) {
@@ -247,7 +248,7 @@ static long double extended_newton(const scene *s, long double *u, long double *
         memset(a, 0, sizeof a);
         a[2 * N][BORDERED] = 1;
         for (int i = 0; i < N; i++) {
-            a[i][2 * N] = -at.b[i] * fabsl(*load); /* the load's step is relative */
+            a[i][2 * N] = -at.b[i] * unit;
             a[i][BORDERED] = -at.g[i];
             for (int j = 0; j < N; j++) {
                 a[i][j] = at.h[i][j];
@@ -266,13 +267,14 @@ static long double extended_newton(const scene *s, long double *u, long double *
             last = fmaxl(last, fabsl(x[i]));
         }
         last = fmaxl(last, fabsl(x[2 * N]));
-        *load += x[2 * N] * fabsl(*load);
+        *load += x[2 * N] * unit;
     }
     return last;
 }
 
 /* The load of the fold ahead of a state. */
-static double fold_ahead(const scene *s, const double *from, double load, int phase) {
+static double fold_ahead(const scene *s, const double *from, double load, int phase,
+                         double largest) {
     long double u[N], v[N], p = load, size = (phase == 0 ? 1 : -1) * 1e-3L * load;
     for (int i = 0; i < N; i++) {
         u[i] = from[i];
@@ -286,7 +288,7 @@ static double fold_ahead(const scene *s, const double *from, double load, int ph
         }
     }
     softest(s, u, p, v);
-    assert_true(extended_newton(s, u, v, &p) < 1e-13L);
+    assert_true(extended_newton(s, u, v, &p, largest) < 1e-13L);
     return (double)p;
 }
 
@@ -305,7 +307,8 @@ static size_t compare_folds(const scene *s, double *worst) {
         }
         const haft_jump *jump = &path->jump[p->jump];
         assert_int_equal(jump->departure, HAFT_DEPARTURE_FOLD);
-        double fold = fold_ahead(s, path->state + (i - 1) * N, path->point[i - 1].load, p->phase);
+        double fold =
+            fold_ahead(s, path->state + (i - 1) * N, path->point[i - 1].load, p->phase, largest);
         double miss = fabs(jump->load - fold);
         check_less(miss, 1e-11 * largest);
         if (fold > 0.25 * largest) {
