@@ -59,6 +59,12 @@ static haft_status draw(const char *scripts, const char *name, const char *folde
     return HAFT_OK;
 }
 
+static void set_environment(const haft_case *c, const char *scripts) {
+    setenv("HAFT_TITLE", c->title, 1);
+    setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
+    setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
+}
+
 static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
     static const char *const figures[] = {"surface", "laws",     "shapes",     "energy",
                                           "cracks",  "overview", "convergence"};
@@ -74,14 +80,59 @@ static haft_status draw_all(const haft_case *c, const char *folder, haft_error *
                                                           : -1,
              c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6,
              c->stop.confidence);
-    setenv("HAFT_TITLE", c->title, 1);
-    setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
-    setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
+    set_environment(c, scripts);
     haft_status status = HAFT_OK;
     for (size_t i = 0; status == HAFT_OK && i < count; i++) {
         status = draw(scripts, figures[i], folder, definitions, error);
     }
     return status;
+}
+
+/* What the swept values are multiplied by on the axis, and the unit they are then in. */
+static const char *axis_unit(const char *unit, double greatest, double *factor) {
+    bool length = strcmp(unit, "m") == 0, micro = greatest >= 0.9999e-6;
+    *factor = !length ? 1 : micro ? 1e6 : 1e9;
+    return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
+}
+
+int draw_sweep(const haft_case *c, const char *case_folder, terminal *t) {
+    haft_error error = {0};
+    char table[PATH_CAPACITY], folder[PATH_CAPACITY], scripts[PATH_CAPACITY], definitions[512];
+    haft_status status = case_out_path(table, case_folder, "sweep.csv", &error);
+    if (status == HAFT_OK && access(table, R_OK) != 0) {
+        status =
+            haft_error_set(&error, HAFT_ERROR_IO, "%s: %s; run the sweep first, with `haft run`",
+                           table, strerror(errno));
+    }
+    if (status == HAFT_OK) {
+        status = make_out_folder(case_folder, "plots", &error);
+    }
+    if (status == HAFT_OK) {
+        status = case_out_path(folder, case_folder, "plots", &error);
+    }
+    if (status == HAFT_OK) {
+        double factor;
+        const char *unit = axis_unit(c->sweep.unit[0], c->sweep.value[0], &factor);
+        find_scripts(scripts);
+        snprintf(
+            definitions, sizeof definitions,
+            "swept='%s'; swept_unit='%s'; swept_factor=%g; keys=%zu; paper=%.9g; "
+            "measured=%.9g; confidence=%.9g",
+            haft_sweep_leaf(&c->sweep, 0), unit, factor, c->sweep.keys,
+            isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
+            isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
+                                                         : -1,
+            c->stop.confidence);
+        set_environment(c, scripts);
+        status = draw(scripts, "sweep", folder, definitions, &error);
+    }
+    if (status != HAFT_OK) {
+        return terminal_fail(t, status, &error);
+    }
+    if (!t->quiet) {
+        printf("figures in %s\n", folder);
+    }
+    return EXIT_OK;
 }
 
 static haft_status choose_realization(const haft_case *c, long asked, size_t *chosen,

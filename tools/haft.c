@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
 #include "draw.h"
+#include "run.h"
+#include "summary_report.h"
+#include "sweep.h"
 
 #include <argp.h>
 #include <errno.h>
@@ -85,8 +88,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     }
 }
 
-/* ---- check
- * --------------------------------------------------------------------------------------- */
+/* ---- check ---- */
 
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_psd_get_moments(&c->surface.psd);
@@ -107,279 +109,24 @@ static void print_derived(const haft_case *c) {
            c->realizations);
 }
 
-static int command_check(const haft_case *c, const arguments *a) {
+static int command_check(const haft_case *c, const arguments *a, terminal *t) {
+    haft_error error = {0};
+    haft_status status = check_sweep(c, a->folder, &error);
+    if (status != HAFT_OK) {
+        return terminal_fail(t, status, &error);
+    }
     if (!a->quiet) {
         print_derived(c);
+        if (c->sweep.keys > 0) {
+            printf("  sweep                %zu variants; the above is the first\n",
+                   c->sweep.variants);
+        }
         printf("%s/case.yaml can be used\n", a->folder);
     }
     return EXIT_OK;
 }
 
-/* ---- run
- * ----------------------------------------------------------------------------------------- */
-
-static void print_length(double metres) {
-    if (isfinite(metres)) {
-        printf(" %9.1f", metres * 1e6);
-    } else {
-        printf(" %9s", "-");
-    }
-}
-
-/* A number, its interval (NULL where it has none) and what others found. */
-static void print_row(const char *label, double ours, const haft_interval *interval, double paper,
-                      double measured) {
-    printf("  %-26s", label);
-    print_length(ours);
-    char low[16] = "-", high[16] = "-";
-    if (interval != NULL && !isfinite(interval->low) && !isfinite(interval->high)) {
-        interval = NULL;
-    }
-    if (interval != NULL && isfinite(interval->low)) {
-        snprintf(low, sizeof low, "%.1f", interval->low * 1e6);
-    }
-    if (interval != NULL && isfinite(interval->high)) {
-        snprintf(high, sizeof high, "%.1f", interval->high * 1e6);
-    }
-    printf(" %8s %2s %-7s", interval != NULL ? low : "", interval != NULL ? "to" : "",
-           interval != NULL ? high : "");
-    print_length(paper);
-    print_length(measured);
-    printf("\n");
-}
-
-static void print_quantiles(const haft_case *c, const haft_statistics *s) {
-    static const char *const label[HAFT_STUDY_QUANTILES] = {"5 % quantile", "median",
-                                                            "95 % quantile"};
-    for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
-        char text[40];
-        bool beyond = s->quantile[i] > c->beam.length; /* not known but that they let go */
-        snprintf(text, sizeof text, beyond ? "%s (free)" : "%s", label[i]);
-        print_row(text, s->quantile[i], &s->quantile_interval[i], NAN, NAN);
-    }
-}
-
-static void print_summary(const haft_case *c, const haft_statistics *s) {
-    char interval[40];
-    snprintf(interval, sizeof interval, "%.4g %% interval", 100 * s->confidence);
-    printf("\n%s\n", c->title);
-    printf("  %-26s %9s %-20s %9s %9s\n", "crack length at rest [um]", "Haft", interval, "paper",
-           "measured");
-    print_row("mean", s->mean, &s->mean_interval, c->reference.paper_crack_length,
-              c->reference.measured_crack_length);
-    print_row("standard error of the mean", s->standard_error, NULL, NAN, NAN);
-    print_row("standard deviation", s->deviation, &s->deviation_interval, NAN, NAN);
-    print_quantiles(c, s);
-    print_row("least", s->least, NULL, NAN, NAN);
-    print_row("greatest", s->greatest, NULL, NAN, NAN);
-    if (s->stuck > 0) {
-        printf("  effective energy of the mean, Gamma: %.3g mJ/m2\n", s->gamma * 1e3);
-    }
-    printf("  beams: %zu run, %zu stuck, %zu free, %zu failed; %.1f jumps and %.3f s a beam\n",
-           s->run, s->stuck, s->free, s->failed, s->jumps, s->seconds);
-    if (s->stuck + s->free > 0) {
-        printf("  probability to stick: %.1f %%, %s %.1f to %.1f %%\n", 100 * s->stuck_share,
-               interval, 100 * s->stuck_interval.low, 100 * s->stuck_interval.high);
-    }
-    printf("  energy ledger closed to %.1e of the work; %zu curves that no Morse law fits\n",
-           s->ledger_error, s->unfit);
-}
-
-static void print_json_number(const char *key, double value, const char *end) {
-    if (isfinite(value)) {
-        printf("  \"%s\": %.12g%s\n", key, value, end);
-    } else {
-        printf("  \"%s\": null%s\n", key, end);
-    }
-}
-
-static void print_json_interval(const char *key, haft_interval interval) {
-    char name[80];
-    snprintf(name, sizeof name, "%s_low%s", key, strcmp(key, "stuck_share") == 0 ? "" : "_m");
-    print_json_number(name, interval.low, ",");
-    snprintf(name, sizeof name, "%s_high%s", key, strcmp(key, "stuck_share") == 0 ? "" : "_m");
-    print_json_number(name, interval.high, ",");
-}
-
-static void print_json(const haft_case *c, const haft_statistics *s) {
-    static const char *const quantile[HAFT_STUDY_QUANTILES] = {
-        "crack_length_quantile_05", "crack_length_median", "crack_length_quantile_95"};
-    printf("{\n  \"case\": \"%s\",\n  \"version\": \"%s\",\n", c->name, haft_version());
-    print_json_number("confidence", s->confidence, ",");
-    print_json_number("crack_length_mean_m", s->mean, ",");
-    print_json_interval("crack_length_mean", s->mean_interval);
-    print_json_number("crack_length_standard_error_m", s->standard_error, ",");
-    print_json_number("crack_length_deviation_m", s->deviation, ",");
-    print_json_interval("crack_length_deviation", s->deviation_interval);
-    for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
-        char name[60];
-        snprintf(name, sizeof name, "%s_m", quantile[i]);
-        print_json_number(name, s->quantile[i], ",");
-        print_json_interval(quantile[i], s->quantile_interval[i]);
-    }
-    print_json_number("crack_length_least_m", s->least, ",");
-    print_json_number("crack_length_greatest_m", s->greatest, ",");
-    print_json_number("stuck_share", s->stuck_share, ",");
-    print_json_interval("stuck_share", s->stuck_interval);
-    print_json_number("paper_crack_length_m", c->reference.paper_crack_length, ",");
-    print_json_number("measured_crack_length_m", c->reference.measured_crack_length, ",");
-    print_json_number("gamma_J_per_m2", s->gamma, ",");
-    printf("  \"run\": %zu,\n  \"stuck\": %zu,\n  \"free\": %zu,\n  \"failed\": %zu,\n", s->run,
-           s->stuck, s->free, s->failed);
-    print_json_number("jumps_per_beam", s->jumps, ",");
-    print_json_number("seconds_per_beam", s->seconds, ",");
-    print_json_number("ledger_error", s->ledger_error, "");
-    printf("}\n");
-}
-
-static void print_result(const haft_case *c, const haft_summary *summary, bool json) {
-    haft_statistics s = haft_study_statistics(c, summary, c->realizations);
-    if (json) {
-        print_json(c, &s);
-    } else {
-        print_summary(c, &s);
-    }
-}
-
-typedef struct runner {
-    const haft_case *c;
-    const arguments *a;
-} runner;
-
-/* CASE/out/name, without what a killed run may have left of it. */
-static haft_status companion(char path[PATH_CAPACITY], const char *folder, const char *name,
-                             haft_error *error) {
-    haft_status status = case_out_path(path, folder, name, error);
-    if (status == HAFT_OK) {
-        haft_io_drop_stale(path);
-    }
-    return status;
-}
-
-/* What lies beside results.h5. */
-static haft_status save_companions(void *user, const haft_summary *summary, const haft_laws *laws,
-                                   haft_error *error) {
-    const runner *r = user;
-    const haft_case *c = r->c;
-    const char *folder = r->a->folder;
-    char path[PATH_CAPACITY];
-    haft_status status = companion(path, folder, "resolved.yaml", error);
-    if (status == HAFT_OK) {
-        status = haft_case_write(c, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = companion(path, folder, "laws.csv", error);
-    }
-    if (status == HAFT_OK) {
-        status = save_laws_table(laws, folder, error);
-    }
-    if (status == HAFT_OK) {
-        status = companion(path, folder, "summary.csv", error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_write_summary(summary, c->realizations, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = companion(path, folder, "convergence.csv", error);
-    }
-    return status == HAFT_OK
-               ? haft_study_write_convergence(c, summary, c->realizations, path, error)
-               : status;
-}
-
-/* Everything is saved, but a script must learn that not all beams have a result. */
-static haft_status tell_failures(const haft_case *c, const haft_summary *summary,
-                                 const char *results, haft_error *error) {
-    haft_statistics s = haft_study_statistics(c, summary, c->realizations);
-    for (size_t k = 0; k < c->realizations && s.failed > 0; k++) {
-        int outcome = summary[k].outcome;
-        if (outcome >= 0 && outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE) {
-            return haft_error_set(error, HAFT_ERROR_NUMERIC,
-                                  "%zu of %zu beams could not be followed to the end, the first of "
-                                  "them realization %zu (%s); all are kept in %s",
-                                  s.failed, s.run, k, haft_outcome_name((haft_outcome)outcome),
-                                  results);
-        }
-    }
-    return HAFT_OK;
-}
-
-static const char NOT_ALL_RANKS[] = "another rank cannot begin; do all see the same files?";
-
-static bool any_done(const haft_case *c, const haft_summary *summary) {
-    for (size_t k = 0; k < c->realizations; k++) {
-        if (summary[k].outcome >= 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-typedef struct run_paths {
-    char results[PATH_CAPACITY], laws[PATH_CAPACITY], parts[PATH_CAPACITY];
-} run_paths;
-
-/* What a run needs before it can begin; the folder is rank 0's to make. */
-static haft_status prepare_run(run_paths *paths, haft_summary **summary, const haft_case *c,
-                               const arguments *a, haft_error *error) {
-    *summary = haft_memory_alloc(c->realizations, sizeof **summary, error);
-    if (*summary == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    haft_status status = case_out_path(paths->results, a->folder, "results.h5", error);
-    if (status == HAFT_OK) {
-        status = case_out_path(paths->laws, a->folder, "laws.h5", error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(paths->parts, a->folder, "parts", error);
-    }
-    return status == HAFT_OK && haft_study_rank() == 0 ? make_out_folder(a->folder, NULL, error)
-                                                       : status;
-}
-
-/* Tells what came of a run, and its exit code. */
-static int tell_run(const haft_case *c, const arguments *a, const haft_summary *summary,
-                    const char *results, haft_status status, haft_error *error, terminal *t) {
-    if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && any_done(c, summary))) {
-        print_result(c, summary, a->json);
-    }
-    if (status == HAFT_OK) {
-        status = tell_failures(c, summary, results, error);
-    }
-    if (status != HAFT_OK) {
-        drop_empty_out_folder(a->folder);
-    }
-    return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, error);
-}
-
-static int command_run(const haft_case *c, const arguments *a, haft_run_mode mode, terminal *t) {
-    haft_error error = {0};
-    run_paths paths;
-    haft_summary *summary = NULL;
-    haft_status status = prepare_run(&paths, &summary, c, a, &error);
-    if (!haft_study_ranks_agree(status == HAFT_OK) && status == HAFT_OK) {
-        status = haft_error_set(&error, HAFT_ERROR_IO, NOT_ALL_RANKS);
-    }
-    if (status == HAFT_OK) {
-        runner r = {c, a};
-        haft_run_files files = {.laws = paths.laws,
-                                .results = paths.results,
-                                .parts = paths.parts,
-                                .beside = save_companions,
-                                .user = &r};
-        haft_progress progress = terminal_progress(t);
-        status = haft_study_run(summary, c, &files, mode, &progress, &error);
-    }
-    int code = EXIT_OK;
-    if (haft_study_rank() == 0) {
-        code = tell_run(c, a, summary, paths.results, status, &error, t);
-    }
-    haft_memory_free(summary);
-    return code;
-}
-
-/* ---- info
- * ---------------------------------------------------------------------------------------- */
+/* ---- info ---- */
 
 static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
@@ -400,17 +147,20 @@ enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
 static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
 
 static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
+    bool swept = c->sweep.keys > 0;
+    int (*run)(const haft_case *, const char *, haft_run_mode, bool, terminal *) =
+        swept ? run_sweep : run_case;
     switch (command) {
     case CHECK:
-        return command_check(c, a);
+        return command_check(c, a, t);
     case RUN:
-        return command_run(c, a, a->force ? HAFT_RUN_ANEW : HAFT_RUN_NEW, t);
+        return run(c, a->folder, a->force ? HAFT_RUN_ANEW : HAFT_RUN_NEW, a->json, t);
     case RESUME:
-        return command_run(c, a, HAFT_RUN_RESUME, t);
+        return run(c, a->folder, HAFT_RUN_RESUME, a->json, t);
     case PLOT:
-        return draw_case(c, a->folder, a->realization, t);
+        return swept ? draw_sweep(c, a->folder, t) : draw_case(c, a->folder, a->realization, t);
     default:
-        return command_info(c, a, t);
+        return swept ? tell_sweep(c, a->folder, a->json, t) : command_info(c, a, t);
     }
 }
 

@@ -25,7 +25,12 @@ extern "C" {
 enum { HAFT_NAME_CAPACITY = 128, HAFT_TEXT_CAPACITY = 512 };
 
 /** Bounds of a sweep: keys varied together, values each; bytes of a variant's label. */
-enum { HAFT_SWEPT_KEYS_MAX = 8, HAFT_VARIANTS_MAX = 1000, HAFT_LABEL_CAPACITY = 96 };
+enum {
+    HAFT_SWEPT_KEYS_MAX = 8,
+    HAFT_VARIANTS_MAX = 1000,
+    HAFT_LABEL_CAPACITY = 96,
+    HAFT_SWEPT_TEXT_CAPACITY = 24
+};
 
 /** Where the stop rule looks: at prefixes of the realizations, from this many on, every so many. */
 enum { HAFT_STOP_LEAST = 30, HAFT_STOP_STRIDE = 10 };
@@ -116,7 +121,8 @@ typedef struct haft_case {
         size_t keys;     /**< varied; 0 without a sweep */
         const char *key[HAFT_SWEPT_KEYS_MAX], *unit[HAFT_SWEPT_KEYS_MAX];
         double value[HAFT_SWEPT_KEYS_MAX]; /**< in `unit`; a choice's place among the choices */
-        char label[HAFT_LABEL_CAPACITY];   /**< fit for a folder's name: "02_l_meso-3um" */
+        char text[HAFT_SWEPT_KEYS_MAX][HAFT_SWEPT_TEXT_CAPACITY]; /**< as written, or its front */
+        char label[HAFT_LABEL_CAPACITY]; /**< fit for a folder's name: "02_l_meso-3um" */
     } sweep;
 
     /** Numbers to print beside ours; NaN where the case gives none. */
@@ -156,6 +162,9 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 
 /** Shall this realization leave evidence? */
 bool haft_case_wants_evidence(const haft_case *c, size_t realization);
+
+/** The last part of a swept key's path: "l_meso" of "beam.l_meso". */
+const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key);
 
 /** The resolved case as YAML that reads back to the same bits; the caller frees it with
  *  haft_memory_free(). */
@@ -227,6 +236,8 @@ typedef struct haft_summary {
     double loaded_crack_length;
     double gamma;            /**< Eq. 36 [J/m^2]; 0 if free */
     double work, dissipated; /**< [J] */
+    double internal_energy;  /**< strain energy at rest [J] */
+    double end_influence;    /**< see haft_path.end_influence */
     double ledger_error;
     double seconds; /**< time taken; the one number that is not reproducible */
     int outcome;    /**< a haft_outcome */

@@ -207,12 +207,24 @@ typedef struct haft_statistics {
     haft_interval stuck_interval; /**< Clopper-Pearson */
     double gamma;                 /**< Eq. 36 of the mean crack length [J/m^2] */
     double jumps, seconds;        /**< a realization, mean */
-    double ledger_error;          /**< the greatest */
-    size_t unfit;                 /**< in all */
+    double internal_energy, dissipated; /**< a beam that stuck or is free, mean [J] */
+    double end_influence;               /**< the greatest; see haft_path.end_influence */
+    double ledger_error;                /**< the greatest */
+    size_t unfit;                       /**< in all */
 } haft_statistics;
 
 /** @param[in] c its study.stop.confidence is the intervals', 0 the default. Thread-safe. */
 haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *summary, size_t n);
+
+/** One variant of a sweep, run. */
+typedef struct haft_variant {
+    const haft_case *c;
+    haft_statistics statistics;
+} haft_variant;
+
+/** Writes sweep.csv, one row a variant: its number, the swept values in SI, and its statistics. */
+haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants, const char *path,
+                                   haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes summary.csv, one row a realization. */
 haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,

@@ -8,6 +8,10 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key) {
+    return haft_case_leaf(sweep->key[key]);
+}
+
 static bool can_be_swept(const haft_key *key) {
     bool number = key->type == HAFT_KEY_REAL && key->count == 0;
     return number || key->type == HAFT_KEY_COUNT || key->type == HAFT_KEY_CHOICE ||
@@ -92,6 +96,7 @@ static void take_value(haft_case_reader *reader, yaml_document_t *document, int 
     if (good) {
         sweep->value[sweep->keys] = haft_case_number(reader->c, k);
     }
+    snprintf(sweep->text[sweep->keys], sizeof sweep->text[0], "%s", text);
     sweep->keys++;
     add_to_label(sweep, haft_case_leaf(k->path), text);
 }

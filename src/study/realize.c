@@ -35,6 +35,8 @@ haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haf
         .gamma = stuck ? haft_beam_effective_energy(&c->beam, end.crack_length) : 0,
         .work = end.work,
         .dissipated = end.dissipated,
+        .internal_energy = solved ? end.internal_energy : NAN,
+        .end_influence = path->end_influence,
         .ledger_error = path->ledger_error,
         .seconds = now() - start,
         .outcome = (int)path->outcome,

@@ -35,6 +35,11 @@ static void take_in(haft_statistics *s, haft_moments *moments, const haft_summar
     s->seconds += one->seconds;
     s->ledger_error = fmax(s->ledger_error, one->ledger_error);
     s->unfit += (size_t)one->unfit;
+    if (isfinite(one->internal_energy)) { /* followed to the end */
+        s->internal_energy += one->internal_energy;
+        s->dissipated += one->dissipated;
+        s->end_influence = fmax(s->end_influence, one->end_influence);
+    }
     if (one->outcome == HAFT_OUTCOME_FREE) {
         s->free++;
     } else if (one->outcome != HAFT_OUTCOME_STUCK) {
@@ -117,6 +122,9 @@ haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *su
     s.stuck_share = (double)s.stuck / (double)(s.stuck + s.free);
     s.stuck_interval = haft_study_share_interval(s.stuck, s.stuck + s.free, s.confidence);
     s.gamma = haft_beam_effective_energy(&c->beam, s.mean);
+    double followed = (double)(s.stuck + s.free);
+    s.internal_energy = followed > 0 ? s.internal_energy / followed : NAN;
+    s.dissipated = followed > 0 ? s.dissipated / followed : NAN;
     if (s.run > 0) {
         s.jumps /= (double)s.run;
         s.seconds /= (double)s.run;

@@ -3,6 +3,7 @@
 #include "moments.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { CONVERGENCE_ROWS = 2000 };
@@ -144,5 +145,68 @@ haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, s
         status = haft_csv_write(path, n, COLUMNS, column, error);
     }
     haft_memory_free(vector);
+    return status;
+}
+
+haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants, const char *path,
+                                   haft_error *error) {
+    enum { FACTS = 15, COLUMNS = 1 + HAFT_SWEPT_KEYS_MAX + FACTS };
+    static const char *const fact[FACTS] = {"run",
+                                            "stuck",
+                                            "free",
+                                            "failed",
+                                            "mean [um]",
+                                            "mean low [um]",
+                                            "mean high [um]",
+                                            "deviation [um]",
+                                            "Gamma [mJ/m2]",
+                                            "internal energy [pJ]",
+                                            "dissipated [pJ]",
+                                            "jumps",
+                                            "seconds",
+                                            "end influence [1]",
+                                            "ledger error [1]"};
+    const struct haft_case_sweep *sweep = &variant[0].c->sweep;
+    size_t columns = 1 + sweep->keys + FACTS;
+    char name[HAFT_SWEPT_KEYS_MAX][HAFT_LABEL_CAPACITY];
+    haft_csv_column column[COLUMNS];
+    double *flat = haft_memory_alloc(variants * columns, sizeof *flat, error);
+    if (flat == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    for (size_t j = 0; j < columns; j++) {
+        column[j] = (haft_csv_column){"variant", flat + j, columns, 1};
+        if (j > 0 && j <= sweep->keys) {
+            snprintf(name[j - 1], sizeof name[j - 1], "%s [%s]", sweep->key[j - 1],
+                     sweep->unit[j - 1]);
+            column[j].name = name[j - 1];
+        } else if (j > 0) {
+            column[j].name = fact[j - 1 - sweep->keys];
+        }
+    }
+    for (size_t i = 0; i < variants; i++) {
+        const haft_statistics *s = &variant[i].statistics;
+        double *row = flat + i * columns;
+        double facts[FACTS] = {(double)s->run,
+                               (double)s->stuck,
+                               (double)s->free,
+                               (double)s->failed,
+                               s->mean * 1e6,
+                               s->mean_interval.low * 1e6,
+                               s->mean_interval.high * 1e6,
+                               s->deviation * 1e6,
+                               s->gamma * 1e3,
+                               s->internal_energy * 1e12,
+                               s->dissipated * 1e12,
+                               s->jumps,
+                               s->seconds,
+                               s->end_influence,
+                               s->ledger_error};
+        row[0] = (double)i;
+        memcpy(row + 1, variant[i].c->sweep.value, sweep->keys * sizeof *row);
+        memcpy(row + 1 + sweep->keys, facts, sizeof facts);
+    }
+    haft_status status = haft_csv_write(path, variants, columns, column, error);
+    haft_memory_free(flat);
     return status;
 }

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A case with a sweep, run: each variant is a case of its own, with the numbers it would have
+ * alone; laws of the same inputs are built once; what is there is neither redone nor overwritten.
+ */
+#include "program.h"
+
+#include "haft/study.h"
+
+/* Elements of 3 um and of 5 um, the same laws. */
+static const edit elements[] = {
+    {"  element_length: 3 um\n", ""},
+    {"study:", "sweep: {beam.element_length: [3 um, 5 um]}\nstudy:"},
+    {0},
+};
+
+/* Patches of 3 um and of 6 um, laws of their own. */
+static const edit patches[] = {
+    {"  l_meso: 3 um\n", ""},
+    {"study:", "sweep: {beam.l_meso: [3 um, 6 um]}\nstudy:"},
+    {0},
+};
+
+static ino_t inode_of(const case_folder *c, const char *name) {
+    char path[400];
+    struct stat facts;
+    assert_int_equal(stat(path_in(c, name, path), &facts), 0);
+    return facts.st_ino;
+}
+
+static double crack_of(const char *path) {
+    haft_error error = {0};
+    haft_results_view *view = NULL;
+    check_ok(haft_results_read(&view, path, &error), error);
+    double crack = view->summary[0].crack_length;
+    haft_results_view_destroy(&view);
+    return crack;
+}
+
+static void a_variant_is_what_it_would_be_alone(void **state) {
+    (void)state;
+    case_folder swept = case_create(elements), alone = case_create(NULL);
+    ran r = run_expect(0, HAFT, ARGS("run", swept.path));
+    check_says(r.out, "element_length");
+    check_says(r.out, "3 um");
+    check_says(r.out, "5 um");
+    check_says(r.err, "01_element_length-5um");
+    ran_free(&r);
+    must_run(HAFT, ARGS("run", "--quiet", alone.path));
+    char path[400], other[400];
+    path_in(&swept, "out/00_element_length-3um/out/results.h5", path);
+    double first = crack_of(path);
+    check_near(first, crack_of(path_in(&alone, "out/results.h5", other)), 0);
+    path_in(&swept, "out/01_element_length-5um/out/results.h5", path);
+    assert_true(fabs(crack_of(path) - first) > 0);
+
+    /* the variant is a case folder: it can be told and drawn alone, and checks */
+    path_in(&swept, "out/01_element_length-5um", path);
+    must_run(HAFT, ARGS("check", "--quiet", path));
+    r = run_expect(0, HAFT, ARGS("info", path));
+    check_says(r.out, "beams: 2 run");
+    ran_free(&r);
+
+    /* the table has a line a variant, swept values in SI */
+    char *table = read_whole_file(path_in(&swept, "out/sweep.csv", path), NULL);
+    check_says(table, "variant,beam.element_length [m],run,stuck");
+    check_says(table, "\n0,3e-06,2,2,0,0,");
+    check_says(table, "\n1,5e-06,2,2,0,0,");
+    free(table);
+    case_remove(&swept);
+    case_remove(&alone);
+}
+
+static void laws_of_the_same_inputs_are_built_once(void **state) {
+    (void)state;
+    case_folder c = case_create(elements);
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    assert_int_equal(inode_of(&c, "out/00_element_length-3um/out/laws.h5"),
+                     inode_of(&c, "out/01_element_length-5um/out/laws.h5"));
+    case_remove(&c);
+    c = case_create(patches);
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    assert_int_not_equal(inode_of(&c, "out/00_l_meso-3um/out/laws.h5"),
+                         inode_of(&c, "out/01_l_meso-6um/out/laws.h5"));
+    case_remove(&c);
+}
+
+static void a_sweep_is_told_resumed_and_not_overwritten(void **state) {
+    (void)state;
+    case_folder c = case_create(elements);
+    char path[400];
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    ran r = run_expect(5, HAFT, ARGS("run", c.path));
+    check_says(r.err, "variant 00_element_length-3um");
+    check_says(r.err, "--force");
+    ran_free(&r);
+    ran told = run_expect(0, HAFT, ARGS("info", c.path));
+    check_says(told.out, "5 um");
+
+    /* a variant lost is all that a resume does */
+    double kept = crack_of(path_in(&c, "out/01_element_length-5um/out/results.h5", path));
+    assert_int_equal(unlink(path), 0);
+    r = run_expect(0, HAFT, ARGS("resume", c.path));
+    check_says(r.err, "nothing is left to do");
+    ran_free(&r);
+    check_near(crack_of(path), kept, 0);
+    r = run_expect(0, HAFT, ARGS("info", "--json", c.path));
+    assert_true(r.out[0] == '[');
+    check_says(r.out, "}\n,\n{");
+    ran_free(&r);
+    ran_free(&told);
+    case_remove(&c);
+}
+
+static void every_variant_is_checked(void **state) {
+    (void)state;
+    static const edit second_wrong[] = {
+        {"  element_length: 3 um\n", ""},
+        {"study:", "sweep: {beam.element_length: [3 um, 7 um]}\nstudy:"},
+        {0}};
+    case_folder c = case_create(second_wrong);
+    for (int i = 0; i < 2; i++) {
+        ran r = run_expect(3, HAFT, ARGS(i == 0 ? "check" : "run", c.path));
+        check_says(r.err, "beam.element_length: 7 um does not divide beam.length, 90 um");
+        ran_free(&r);
+    }
+    assert_false(exists(&c, "out")); /* told before anything is made */
+    case_remove(&c);
+}
+
+static void a_sweep_is_drawn(void **state) {
+    (void)state;
+    if (access("/usr/bin/gnuplot", X_OK) != 0) {
+        skip();
+    }
+    case_folder c = case_create(elements);
+    ran r = run_expect(4, HAFT, ARGS("plot", c.path));
+    check_says(r.err, "run the sweep first");
+    ran_free(&r);
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    must_run(HAFT, ARGS("plot", "--quiet", c.path));
+    assert_true(exists(&c, "out/plots/sweep.png"));
+    assert_true(exists(&c, "out/plots/sweep.svg"));
+    case_remove(&c);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_variant_is_what_it_would_be_alone),
+        cmocka_unit_test(laws_of_the_same_inputs_are_built_once),
+        cmocka_unit_test(a_sweep_is_told_resumed_and_not_overwritten),
+        cmocka_unit_test(every_variant_is_checked),
+        cmocka_unit_test(a_sweep_is_drawn),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

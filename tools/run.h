@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef HAFT_TOOLS_RUN_H
+#define HAFT_TOOLS_RUN_H
+
+#include "terminal.h"
+
+/* Runs the case whose files go into FOLDER/out, on all ranks; rank 0 writes and knows the outcome.
+ * HAFT_ERROR_NUMERIC: all is saved, but some beams could not be followed to the end.
+ * *summary [realizations] is to be freed with haft_memory_free(). */
+haft_status run_one(haft_summary **summary, const haft_case *c, const char *folder,
+                    haft_run_mode mode, terminal *t, haft_error *error);
+
+/* The same, said to people; @return the exit code. */
+int run_case(const haft_case *c, const char *folder, haft_run_mode mode, bool json, terminal *t);
+
+#endif

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A sweep: its variants are cases of their own under CASE/out, run one after another, so that each
+ * can be looked at, drawn or run again alone. */
+#include "sweep.h"
+
+#include "run.h"
+#include "summary_report.h"
+
+#include <string.h>
+#include <unistd.h>
+
+/* The variants read so far, and what came of them. */
+typedef struct sweep {
+    size_t variants;
+    haft_case **c;
+    haft_variant *variant;
+    char (*digest)[HAFT_DIGEST_CAPACITY]; /* of each one's laws */
+} sweep;
+
+static void close_sweep(sweep *s) {
+    for (size_t i = 0; s->c != NULL && i < s->variants; i++) {
+        haft_case_destroy(&s->c[i]);
+    }
+    haft_memory_free(s->c);
+    haft_memory_free(s->variant);
+    haft_memory_free(s->digest);
+}
+
+static haft_status open_sweep(sweep *s, const haft_case *first, const char *folder,
+                              haft_error *error) {
+    char path[PATH_CAPACITY];
+    size_t n = first->sweep.variants;
+    *s = (sweep){.variants = n,
+                 .c = haft_memory_alloc(n, sizeof *s->c, error),
+                 .variant = haft_memory_alloc(n, sizeof *s->variant, error),
+                 .digest = haft_memory_alloc(n, sizeof *s->digest, error)};
+    haft_status status = s->c && s->variant && s->digest ? HAFT_OK : HAFT_ERROR_MEMORY;
+    if (status == HAFT_OK) {
+        status = case_path(path, folder, "case.yaml", error);
+    }
+    for (size_t i = 0; i < n && status == HAFT_OK; i++) {
+        status = haft_case_read_variant(&s->c[i], path, i, error);
+        if (status == HAFT_OK) {
+            s->variant[i].c = s->c[i];
+            status = haft_case_laws_digest(s->c[i], s->digest[i], error);
+        }
+    }
+    if (status != HAFT_OK) {
+        close_sweep(s);
+    }
+    return status;
+}
+
+haft_status check_sweep(const haft_case *c, const char *folder, haft_error *error) {
+    sweep s;
+    haft_status status = open_sweep(&s, c, folder, error);
+    if (status == HAFT_OK) {
+        close_sweep(&s);
+    }
+    return status;
+}
+
+static haft_status variant_folder(char path[PATH_CAPACITY], const char *folder, const haft_case *c,
+                                  haft_error *error) {
+    return case_out_path(path, folder, c->sweep.label, error);
+}
+
+/* Gives variant i the laws of an earlier one of the same inputs. That they are the same file is no
+ * harm: laws are replaced, never changed. Where it cannot be done they are built, to the same bits.
+ */
+static void take_over_laws(const sweep *s, size_t i, const char *folder) {
+    char from[PATH_CAPACITY], to[PATH_CAPACITY], here[PATH_CAPACITY], there[PATH_CAPACITY];
+    for (size_t k = 0; k < i; k++) {
+        bool same = strcmp(s->digest[k], s->digest[i]) == 0 &&
+                    variant_folder(there, folder, s->c[k], NULL) == HAFT_OK &&
+                    variant_folder(here, folder, s->c[i], NULL) == HAFT_OK &&
+                    case_out_path(from, there, "laws.h5", NULL) == HAFT_OK &&
+                    case_out_path(to, here, "laws.h5", NULL) == HAFT_OK;
+        if (same && access(from, R_OK) == 0) {
+            unlink(to);
+            (void)!link(from, to);
+            return;
+        }
+    }
+}
+
+/* CASE/out/LABEL as a case folder. */
+static haft_status make_variant(const sweep *s, size_t i, const char *folder,
+                                char path[PATH_CAPACITY], haft_error *error) {
+    char file[PATH_CAPACITY];
+    haft_status status = variant_folder(path, folder, s->c[i], error);
+    if (haft_study_rank() != 0 || status != HAFT_OK) {
+        return status;
+    }
+    status = make_out_folder(folder, s->c[i]->sweep.label, error);
+    if (status == HAFT_OK) {
+        status = case_path(file, path, "case.yaml", error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_case_write(s->c[i], file, error);
+    }
+    if (status == HAFT_OK) {
+        status = make_out_folder(path, NULL, error);
+    }
+    if (status == HAFT_OK) {
+        take_over_laws(s, i, folder);
+    }
+    return status;
+}
+
+/* A variant that was never begun has nothing to resume. */
+static haft_run_mode mode_of(haft_run_mode mode, const char *variant) {
+    char results[PATH_CAPACITY], parts[PATH_CAPACITY];
+    bool begun = case_out_path(results, variant, "results.h5", NULL) == HAFT_OK &&
+                 case_out_path(parts, variant, "parts", NULL) == HAFT_OK &&
+                 (access(results, F_OK) == 0 || access(parts, F_OK) == 0);
+    return mode == HAFT_RUN_RESUME && !begun ? HAFT_RUN_NEW : mode;
+}
+
+static haft_status run_variant(sweep *s, size_t i, const char *folder, haft_run_mode mode,
+                               terminal *t, haft_error *error) {
+    char path[PATH_CAPACITY];
+    haft_summary *summary = NULL;
+    haft_status status = make_variant(s, i, folder, path, error);
+    if (status != HAFT_OK) {
+        (void)haft_study_ranks_agree(false);
+        return status;
+    }
+    haft_progress progress = terminal_progress(t);
+    if (haft_study_rank() == 0) {
+        terminal_close_line(t);
+        progress.note(progress.user, s->c[i]->sweep.label);
+    }
+    status = run_one(&summary, s->c[i], path, mode_of(mode, path), t, error);
+    if (status == HAFT_OK || status == HAFT_ERROR_NUMERIC) {
+        s->variant[i].statistics = haft_study_statistics(s->c[i], summary, s->c[i]->realizations);
+    }
+    haft_memory_free(summary);
+    return status;
+}
+
+static haft_status save_table(const sweep *s, const char *folder, haft_error *error) {
+    char path[PATH_CAPACITY];
+    haft_status status = case_out_path(path, folder, "sweep.csv", error);
+    return status == HAFT_OK ? haft_study_write_sweep(s->variant, s->variants, path, error)
+                             : status;
+}
+
+/* All variants; beams that could not be followed end one variant's run no more than a run's. */
+static haft_status run_all(sweep *s, const char *folder, haft_run_mode mode, terminal *t,
+                           haft_error *error) {
+    haft_status worst = HAFT_OK;
+    haft_error said = {0};
+    for (size_t i = 0; i < s->variants; i++) {
+        haft_status status = run_variant(s, i, folder, mode, t, error);
+        if (status != HAFT_OK && status != HAFT_ERROR_NUMERIC) {
+            haft_error_prefix(error, "variant %s: ", s->c[i]->sweep.label);
+            return status;
+        }
+        if (status != HAFT_OK && worst == HAFT_OK) {
+            worst = status;
+            said = *error;
+            haft_error_prefix(&said, "variant %s: ", s->c[i]->sweep.label);
+        }
+    }
+    haft_status status = haft_study_rank() == 0 ? save_table(s, folder, error) : HAFT_OK;
+    if (status == HAFT_OK && worst != HAFT_OK) {
+        *error = said;
+        status = worst;
+    }
+    return status;
+}
+
+int run_sweep(const haft_case *c, const char *folder, haft_run_mode mode, bool json, terminal *t) {
+    sweep s;
+    haft_error error = {0};
+    haft_status status = open_sweep(&s, c, folder, &error);
+    if (status != HAFT_OK) {
+        (void)haft_study_ranks_agree(false);
+        return haft_study_rank() == 0 ? terminal_fail(t, status, &error) : EXIT_OK;
+    }
+    status = run_all(&s, folder, mode, t, &error);
+    int code = EXIT_OK;
+    if (haft_study_rank() == 0) {
+        if (status == HAFT_OK || status == HAFT_ERROR_NUMERIC) {
+            print_sweep(s.variant, s.variants, json);
+        }
+        code = status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
+    }
+    close_sweep(&s);
+    return code;
+}
+
+int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t) {
+    sweep s;
+    haft_error error = {0};
+    char path[PATH_CAPACITY], results[PATH_CAPACITY];
+    haft_status status = open_sweep(&s, c, folder, &error);
+    if (status != HAFT_OK) {
+        return terminal_fail(t, status, &error);
+    }
+    for (size_t i = 0; i < s.variants && status == HAFT_OK; i++) {
+        haft_results_view *view = NULL;
+        status = variant_folder(path, folder, s.c[i], &error);
+        if (status == HAFT_OK) {
+            status = case_out_path(results, path, "results.h5", &error);
+        }
+        if (status == HAFT_OK) {
+            status = read_results(&view, s.c[i], results, &error);
+        }
+        if (status == HAFT_OK) {
+            s.variant[i].statistics =
+                haft_study_statistics(s.c[i], view->summary, view->realizations);
+        }
+        haft_results_view_destroy(&view);
+    }
+    if (status == HAFT_OK) {
+        print_sweep(s.variant, s.variants, json);
+    }
+    close_sweep(&s);
+    return status == HAFT_OK ? terminal_finish(t, EXIT_OK) : terminal_fail(t, status, &error);
+}

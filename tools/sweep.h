@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A sweep: its variants are cases of their own under CASE/out, run one after another. */
+#ifndef HAFT_TOOLS_SWEEP_H
+#define HAFT_TOOLS_SWEEP_H
+
+#include "terminal.h"
+
+/* Reads every variant, so that each is checked; a case without a sweep has one. */
+haft_status check_sweep(const haft_case *c, const char *folder, haft_error *error);
+
+/* Runs the variants, each as a case in CASE/out/LABEL, and writes CASE/out/sweep.csv. A variant
+ * whose laws have the same inputs as those of an earlier one takes them over. @return the exit code
+ */
+int run_sweep(const haft_case *c, const char *folder, haft_run_mode mode, bool json, terminal *t);
+
+/* Prints the table of a sweep that has been run. */
+int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t);
+
+#endif
