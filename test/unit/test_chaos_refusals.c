@@ -101,6 +101,22 @@ static void bad_choices_are_named(void **state) {
     free(v);
 }
 
+static void too_great_an_effort_is_named(void **state) {
+    (void)state;
+    haft_law_vector *v = skewed_vectors(M, 1, 0.3);
+    haft_chaos_spec spec = usual();
+    haft_chaos *c = make_model(M, v, &spec);
+    haft_chaos_errors errors;
+    haft_error error = {0};
+    haft_chaos_effort effort = {HAFT_CHAOS_GRID_LIMIT + 1, 1};
+    assert_int_equal(haft_chaos_measure(c, &effort, &errors, &error), HAFT_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "4194305 maps"));
+    effort = (haft_chaos_effort){1, HAFT_CHAOS_GRID_LIMIT + 1};
+    assert_int_equal(haft_chaos_measure(c, &effort, &errors, &error), HAFT_ERROR_ARGUMENT);
+    haft_chaos_destroy(&c);
+    free(v);
+}
+
 /* ---- parts from a file ---- */
 
 typedef struct copy {
@@ -185,6 +201,7 @@ int main(void) {
         cmocka_unit_test(bad_vectors_are_named),
         cmocka_unit_test(constant_and_dependent_numbers_are_named),
         cmocka_unit_test(bad_choices_are_named),
+        cmocka_unit_test(too_great_an_effort_is_named),
         cmocka_unit_test(bad_parts_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
