@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /** @file io.h
- *  Cases (strict YAML with units), laws and results (HDF5, written whole or not at all), CSV.
+ *  Cases (strict YAML with units), laws and results (HDF5, written whole or not at all), parts of
+ *  results (logs that grow while a run is at work), CSV.
  *
  *  Functions on laws and results call the serial HDF5 library, which is not thread-safe: one thread
  *  at a time in all of them together, distinct files or not. haft_case_read() loads a units

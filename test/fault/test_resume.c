@@ -267,6 +267,46 @@ static void parts_of_another_case_are_refused(void **state) {
     end_broken(&b);
 }
 
+/* Sets a text in a part's head, under a checksum that fits. */
+static void forge(broken_run *b, size_t offset, const char *text) {
+    enum { DIGEST = 128, TEXT = 168 }; /* where they are in the head */
+    char digest[HAFT_DIGEST_CAPACITY];
+    size_t size = b->record[0] - TEXT;
+    char *all = malloc(DIGEST + size);
+    assert_non_null(all);
+    memcpy(b->bytes + offset, text, strlen(text));
+    memcpy(all, b->bytes, DIGEST);
+    memcpy(all + DIGEST, b->bytes + TEXT, size);
+    haft_digest_memory(all, DIGEST + size, digest);
+    memcpy(b->bytes + DIGEST, digest, sizeof digest);
+    free(all);
+    put_part(b, b->bytes, b->size);
+}
+
+static void parts_of_another_build_or_other_laws_are_refused(void **state) {
+    (void)state;
+    enum { LAYOUT = 8, PROGRAM = 24, LAWS = 88 };
+    broken_run b = break_run();
+    static const struct {
+        size_t offset;
+        const char *text, *says;
+    } forgeries[] = {{LAWS, "0123456789abcdef", "was computed with other laws"},
+                     {PROGRAM, "9.9.9", "was made by another build of the program, 9.9.9"},
+                     {LAYOUT, "\x7f", "another layout"}};
+    for (size_t i = 0; i < sizeof forgeries / sizeof *forgeries; i++) {
+        forge(&b, forgeries[i].offset, forgeries[i].text);
+        ran r = run_expect(3, HAFT, ARGS("resume", b.c.path));
+        check_says(r.err, b.part);
+        check_says(r.err, forgeries[i].says);
+        check_says(r.err, "haft run --force`");
+        ran_free(&r);
+        assert_true(exists(&b.c, "out/parts/part-0-0"));
+    }
+    must_run(HAFT, ARGS("run", "--quiet", "--force", b.c.path));
+    check_same_bytes(&b.whole, &b.c, "out/results.h5");
+    end_broken(&b);
+}
+
 static void a_complete_run_is_left_as_it_is(void **state) {
     (void)state;
     case_folder c = case_create(NULL);
@@ -304,6 +344,7 @@ int main(void) {
         cmocka_unit_test(a_damaged_record_is_told_and_skipped),
         cmocka_unit_test(parts_that_overlap_or_are_none_do_no_harm),
         cmocka_unit_test(parts_of_another_case_are_refused),
+        cmocka_unit_test(parts_of_another_build_or_other_laws_are_refused),
         cmocka_unit_test(a_complete_run_is_left_as_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
