@@ -48,7 +48,8 @@ typedef enum haft_chaos_bounds {
 /** How the kernels stand about the data. */
 typedef enum haft_chaos_kernel {
     HAFT_CHAOS_KERNEL_SCOTT,     /**< on the data: the covariance grows by h^2 (Eqs. B.2, B.3) */
-    HAFT_CHAOS_KERNEL_PRESERVING /**< centres and bandwidth shrunk by 1/sqrt(1 + h^2): it stays */
+    HAFT_CHAOS_KERNEL_PRESERVING /**< centres and bandwidth shrunk by 1/sqrt(1 + h^2): it stays;
+                                  *   map and expansion are Scott's times that factor */
 } haft_chaos_kernel;
 
 /** The random variables an expansion is written in, and their orthonormal polynomials. */
@@ -171,6 +172,7 @@ void haft_chaos_rosenblatt(const haft_chaos *chaos, haft_chaos_work *work, const
 
 /** The inverse, by Halley's iteration on the logarithm of the smaller tail, its bracket made to
  *  halve: d eta = d xi / density, so eta is as good as xi allows.
+ *  Between humps so far apart that the CDF is level to round-off, some point of the plain.
  *  @param[in] xi [N_g] and tail [N_g] = 1 - xi (NULL: computed), each at least
  *  HAFT_CHAOS_LEAST_TAIL
  *  @return HAFT_ERROR_ARGUMENT if some xi or tail is not. Thread-safe, a work a thread. */
@@ -194,7 +196,8 @@ haft_status haft_chaos_sample(const haft_chaos *chaos, haft_chaos_work *work,
 
 /* ---- the basis ---- */
 
-/** Orthonormal polynomials psi[0 .. order] at x. Thread-safe. */
+/** Orthonormal polynomials psi[0 .. order] at x, order at most HAFT_CHAOS_POINTS_LIMIT.
+ *  Thread-safe. */
 void haft_chaos_polynomials(haft_chaos_germ germ, size_t order, double x, double *psi);
 
 /** n-point Gauss rule of a germ's law: sum of weights 1, exact to degree 2 n - 1; nodes rise.
@@ -251,7 +254,8 @@ typedef struct haft_chaos_errors {
     double variance_error[HAFT_CHAOS_DIMENSION];      /**< share of it that the expansion lacks */
     haft_chaos_distance kernel[HAFT_CHAOS_DIMENSION]; /**< expansion less kernel density */
     haft_chaos_distance data[HAFT_CHAOS_DIMENSION];   /**< expansion less the m vectors */
-    double outside; /**< share of sampled vectors without a Morse law; 0 by the strict bounds */
+    double reduction; /**< share of q's variance in the components left out (Eq. 32) */
+    double outside;   /**< share of sampled vectors without a Morse law; 0 by the strict bounds */
 } haft_chaos_errors;
 
 /** Measures the errors, in parallel; the bits do not depend on the threads. The quasi-random sets

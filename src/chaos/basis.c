@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Germs, their orthonormal polynomials and Gauss rules, multi-indices and projection.
  *
- * A rule's nodes are the zeros of psi_n: each lies alone between neighbouring zeros of psi_(n-1),
- * so rules are built up from n = 1 by Newton's iteration in those brackets; a weight is
- * 1 / sum of psi_k^2 over k < n. All to round-off up to the limit of 128 points. */
+ * A rule's nodes are the zeros of psi_n: psi_0 .. psi_n is a Sturm sequence, whose changes of sign
+ * count the zeros above a point, so bisection parts them and Newton's iteration finds each; a
+ * weight is 1 / sum of psi_k^2 over k < n. All to round-off up to the limit of 128 points. */
 #include "chaos/basis.h"
 
 #include <math.h>
@@ -42,6 +42,32 @@ void haft_chaos_polynomials(haft_chaos_germ germ, size_t order, double x, double
     chaos_recurrence r;
     haft_chaos_recurrence(germ, &r);
     haft_chaos_recur(&r, order, x, psi);
+}
+
+static size_t count_zeros_below(const chaos_recurrence *r, size_t n, double x) {
+    double psi[HAFT_CHAOS_POINTS_LIMIT + 1];
+    size_t below = n;
+    haft_chaos_recur(r, n, x, psi);
+    for (size_t k = 0; k < n; k++) {
+        below -= (psi[k + 1] < 0) != (psi[k] < 0);
+    }
+    return below;
+}
+
+/* Narrows low .. high to the zero number i of psi_n alone. */
+static void part_zero(const chaos_recurrence *r, size_t n, size_t i, double *low, double *high) {
+    size_t below_low = 0, below_high = n;
+    while (below_low != i || below_high != i + 1) {
+        double mid = *low + 0.47 * (*high - *low); /* not at the middle, which is a zero itself */
+        size_t below = count_zeros_below(r, n, mid);
+        if (below <= i) {
+            *low = mid;
+            below_low = below;
+        } else {
+            *high = mid;
+            below_high = below;
+        }
+    }
 }
 
 /* The zero of psi_n between low and high, where it changes sign. */
@@ -87,15 +113,11 @@ haft_status haft_chaos_gauss(haft_chaos_germ germ, size_t n, double *x, double *
     chaos_recurrence r;
     haft_chaos_recurrence(germ, &r);
     bool line = germ == HAFT_CHAOS_GERM_HERMITE;
-    double inner[HAFT_CHAOS_POINTS_LIMIT + 2], psi[HAFT_CHAOS_POINTS_LIMIT + 1];
-    for (size_t k = 1; k <= n; k++) {
-        double end = 2 * sqrt((double)k) + 1;
-        inner[0] = line ? -end : 0; /* inner[1 .. k - 1]: zeros of psi_(k-1) */
-        inner[k] = line ? end : 1;
-        for (size_t i = 0; i < k; i++) {
-            x[i] = find_zero(&r, k, inner[i], inner[i + 1]);
-        }
-        memcpy(inner + 1, x, k * sizeof *x);
+    double end = line ? 2 * sqrt((double)n) + 1 : 1, psi[HAFT_CHAOS_POINTS_LIMIT + 1];
+    for (size_t i = 0; i < n; i++) {
+        double low = line ? -end : 0, high = end;
+        part_zero(&r, n, i, &low, &high);
+        x[i] = find_zero(&r, n, low, high);
     }
     for (size_t i = 0; i < n; i++) {
         double sum = 0;

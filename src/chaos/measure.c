@@ -168,6 +168,12 @@ static void measure_variance(const haft_chaos *chaos, haft_chaos_errors *errors)
         errors->variance[j] = square + mixture->h * mixture->h;
         errors->variance_error[j] = 1 - kept / errors->variance[j];
     }
+    double sum = 0, rest = 0;
+    for (size_t j = 0; j < N; j++) {
+        sum += p->eigenvalue[j];
+        rest += j < g ? 0 : p->eigenvalue[j];
+    }
+    errors->reduction = rest / sum;
 }
 
 /* Samples of the expansion, [component][samples], and how many have no Morse law. */

@@ -16,35 +16,53 @@
 /* Below this many centres gathering them in bins saves nothing. */
 enum { FEW = 256 };
 
-static size_t fill_bins(chaos_axis *axis, size_t m, double h) {
+static void fill_bins(chaos_axis *axis, size_t m, double h) {
     double low = axis->centre[0], high = low;
     for (size_t k = 1; k < m; k++) {
         low = fmin(low, axis->centre[k]);
         high = fmax(high, axis->centre[k]);
     }
-    double width = fmax(0.25 * h, (high - low) / (CHAOS_BIN_LIMIT - 1));
+    axis->low = low;
+    axis->width = fmax(0.25 * h, (high - low) / (CHAOS_BIN_LIMIT - 1));
     for (size_t k = 0; k < m; k++) {
-        axis->bin[k] = (uint16_t)((axis->centre[k] - low) / width);
+        axis->bin[k] = (uint16_t)((axis->centre[k] - low) / axis->width);
     }
-    return (size_t)((high - low) / width) + 1;
+    axis->bins = (size_t)((high - low) / axis->width) + 1;
 }
 
-/* Bins' weights and centres of mass, without the empty ones; returns how many, padded. */
-static size_t close_bins(size_t bins, double *centre, double *weight) {
+static void open_bins(const chaos_axis *axis, chaos_bins *bins) {
+    memset(bins->weight, 0, axis->bins * sizeof(double));
+    memset(bins->first, 0, axis->bins * sizeof(double));
+    memset(bins->second, 0, axis->bins * sizeof(double));
+}
+
+static inline void put(const chaos_axis *axis, chaos_bins *bins, size_t b, double centre,
+                       double weight) {
+    double d = centre - (axis->low + (double)b * axis->width);
+    bins->weight[b] += weight;
+    bins->first[b] += weight * d;
+    bins->second[b] += weight * d * d;
+}
+
+/* A bin's two points stand a standard deviation to either side of its mean; the empty are left out.
+ */
+static void close_bins(const chaos_axis *axis, const chaos_bins *bins, chaos_rough *rough) {
     size_t n = 0;
-    for (size_t b = 0; b < bins; b++) {
-        if (weight[b] > 0) {
-            double c = centre[b] / weight[b];
-            weight[n] = weight[b];
-            centre[n++] = c;
+    for (size_t b = 0; b < axis->bins; b++) {
+        if (bins->weight[b] > 0) {
+            double mean = bins->first[b] / bins->weight[b];
+            double deviation = sqrt(fmax(0, bins->second[b] / bins->weight[b] - mean * mean));
+            double at = axis->low + (double)b * axis->width + mean;
+            rough->weight[n] = rough->weight[n + 1] = 0.5 * bins->weight[b];
+            rough->centre[n++] = at - deviation;
+            rough->centre[n++] = at + deviation;
         }
     }
-    size_t padded = chaos_padded(n);
-    for (size_t b = n; b < padded; b++) {
-        weight[b] = 0;
-        centre[b] = centre[0];
+    rough->n = chaos_padded(n);
+    for (size_t k = n; k < rough->n; k++) {
+        rough->weight[k] = 0;
+        rough->centre[k] = rough->centre[0];
     }
-    return padded;
 }
 
 static void set_limits(chaos_line *line, size_t n) {
@@ -57,7 +75,7 @@ static void set_limits(chaos_line *line, size_t n) {
     }
 }
 
-static void make_first(chaos_mixture *mixture, size_t i) {
+static void make_first(chaos_mixture *mixture, size_t i, chaos_bins *bins) {
     const chaos_axis *axis = &mixture->axis[i];
     chaos_line *line = &mixture->first[i];
     *line = (chaos_line){.h = mixture->h,
@@ -66,29 +84,28 @@ static void make_first(chaos_mixture *mixture, size_t i) {
                          .weight = mixture->equal};
     set_limits(line, mixture->m);
     if (mixture->m > FEW) {
-        double *centre = mixture->rough + 2 * i * CHAOS_BIN_LIMIT;
-        double *weight = centre + CHAOS_BIN_LIMIT;
+        open_bins(axis, bins);
         for (size_t k = 0; k < mixture->m; k++) {
-            weight[axis->bin[k]] += 1;
-            centre[axis->bin[k]] += axis->centre[k];
+            put(axis, bins, axis->bin[k], axis->centre[k], 1);
         }
-        line->rough_n = close_bins(axis->bins, centre, weight);
-        line->rough_centre = centre;
-        line->rough_weight = weight;
+        close_bins(axis, bins, &mixture->rough[i]);
+        line->rough = &mixture->rough[i];
     }
 }
 
 haft_status haft_chaos_mixture_init(chaos_mixture *out, size_t m, size_t directions,
                                     const double *centre, const size_t *order, double scale,
                                     double h, haft_error *error) {
-    size_t padded = chaos_padded(m), bins = 2 * HAFT_CHAOS_DIMENSION * CHAOS_BIN_LIMIT;
+    size_t padded = chaos_padded(m);
+    chaos_bins bins;
     *out = (chaos_mixture){.m = m, .directions = directions, .h = h};
-    out->memory = haft_memory_alloc(padded * (directions + 1) + bins, sizeof(double), error);
-    if (out->memory == NULL) {
+    out->memory = haft_memory_alloc(padded * (directions + 1), sizeof(double), error);
+    out->rough = haft_memory_alloc(directions, sizeof *out->rough, error);
+    if (out->memory == NULL || out->rough == NULL) {
+        haft_chaos_mixture_clear(out);
         return HAFT_ERROR_MEMORY;
     }
     out->equal = out->memory + padded * directions;
-    out->rough = out->equal + padded;
     for (size_t k = 0; k < m; k++) {
         out->equal[k] = 1;
     }
@@ -103,8 +120,8 @@ haft_status haft_chaos_mixture_init(chaos_mixture *out, size_t m, size_t directi
         for (size_t k = 0; k < padded; k++) {
             axis->centre[k] = scale * centre[(k < m ? k : 0) * directions + order[i]];
         }
-        axis->bins = fill_bins(axis, m, h);
-        make_first(out, i);
+        fill_bins(axis, m, h);
+        make_first(out, i, &bins);
     }
     return HAFT_OK;
 }
@@ -113,6 +130,7 @@ void haft_chaos_mixture_clear(chaos_mixture *mixture) {
     for (size_t i = 0; i < HAFT_CHAOS_DIMENSION; i++) {
         haft_memory_free(mixture->axis[i].bin);
     }
+    haft_memory_free(mixture->rough);
     haft_memory_free(mixture->memory);
     *mixture = (chaos_mixture){0};
 }
@@ -169,16 +187,12 @@ chaos_line haft_chaos_mixture_condition(const chaos_mixture *mixture, haft_chaos
     set_limits(&line, n);
     if (n > FEW) {
         const chaos_axis *axis = &mixture->axis[i];
-        memset(work->rough_centre, 0, axis->bins * sizeof(double));
-        memset(work->rough_weight, 0, axis->bins * sizeof(double));
+        open_bins(axis, &work->bins);
         for (size_t k = 0; k < n; k++) {
-            size_t b = axis->bin[work->chosen[k]];
-            work->rough_weight[b] += work->weight[k];
-            work->rough_centre[b] += work->weight[k] * work->centre[k];
+            put(axis, &work->bins, axis->bin[work->chosen[k]], work->centre[k], work->weight[k]);
         }
-        line.rough_n = close_bins(axis->bins, work->rough_centre, work->rough_weight);
-        line.rough_centre = work->rough_centre;
-        line.rough_weight = work->rough_weight;
+        close_bins(axis, &work->bins, &work->rough);
+        line.rough = &work->rough;
     }
     return line;
 }

@@ -16,7 +16,19 @@ typedef struct chaos_axis {
     double *centre; /* [padded m] */
     uint16_t *bin;  /* [padded m] */
     size_t bins;
+    double low, width; /* bin b begins at low + b width */
 } chaos_axis;
+
+/* What lies in each bin: weight, and first and second moment about the bin's beginning. */
+typedef struct chaos_bins {
+    double weight[CHAOS_BIN_LIMIT], first[CHAOS_BIN_LIMIT], second[CHAOS_BIN_LIMIT];
+} chaos_bins;
+
+/* Two points a bin, with its weight, mean and variance. */
+typedef struct chaos_rough {
+    size_t n; /* padded; 0: the centres are too few to be worth it */
+    double centre[2 * CHAOS_BIN_LIMIT], weight[2 * CHAOS_BIN_LIMIT];
+} chaos_rough;
 
 /* A weighted sum of normals of bandwidth h on a line; borrows its arrays. */
 typedef struct chaos_line {
@@ -25,15 +37,15 @@ typedef struct chaos_line {
     const double *centre, *weight;
     double total;     /* of the weights */
     double low, high; /* of the centres that weigh */
-    size_t rough_n;   /* padded; the same, gathered in bins; 0: too few to be worth it */
-    const double *rough_centre, *rough_weight;
+    const chaos_rough *rough;
 } chaos_line;
 
 /* Arrays for one conditional law. */
 struct haft_chaos_work {
     double *exponent, *centre, *weight; /* [padded m] */
     uint32_t *chosen;                   /* [padded m] */
-    double rough_centre[CHAOS_BIN_LIMIT], rough_weight[CHAOS_BIN_LIMIT];
+    chaos_bins bins;
+    chaos_rough rough;
 };
 
 typedef struct chaos_mixture {
@@ -43,7 +55,7 @@ typedef struct chaos_mixture {
     chaos_axis axis[HAFT_CHAOS_DIMENSION];
     double *equal;                          /* [padded m], weights before anything is known */
     chaos_line first[HAFT_CHAOS_DIMENSION]; /* marginal law of each coordinate */
-    double *rough;                          /* what their bins hold */
+    chaos_rough *rough;                     /* [directions], of the marginal laws */
 } chaos_mixture;
 
 /* Copies centres [m][directions]; coordinate i is column order[i], times scale. */

@@ -4,8 +4,8 @@
  * The quantile is the root of g = ln(P / p), P the CDF or its complement, whichever is asked to be
  * at most 1/2: sums of positive terms alone, right to round-off in either tail, and nearly straight
  * there. Halley's iteration needs no more than the densities the CDF comes with. It starts from the
- * same root for the centres gathered in bins, a hundredth of the work and good to a few thousandths
- * of h, so that two evaluations do. Where it wanders (a conditional with several humps), every
+ * same root for the centres gathered in bins, a tenth of the work at most and good to about 1e-5 h,
+ * so that one evaluation does, or two. Where it wanders (a conditional with several humps), every
  * second evaluation must halve the bracket, by bisection if need be; the bracket is exact: a
  * quantile lies between those of the outermost kernels. */
 #include <math.h>
@@ -15,10 +15,10 @@
 
 enum { EVALUATIONS = 400, FREE = 4 };
 
-/* Steps of the last iteration, in h, from which the next one is right to round-off, its error being
- * of third order; and what the guess from bins is asked for. */
-#define FINE 1e-6
-#define ROUGH 1e-3
+/* Errors, in h, that the last step may leave: round-off, and what the guess from bins is good to.
+ */
+#define FINE 1e-15
+#define ROUGH 1e-8
 #define LAST_BITS 4.5e-16
 #define STRONG 0.75
 
@@ -60,7 +60,9 @@ static void solve(root *r, double tolerance) {
         width[k] = r->high - r->low;
         /* False for NaN; a strongly curved step is that of a plain between humps. */
         bool good = next >= r->low && next <= r->high && fabs(s.curvature) <= STRONG;
-        if (good && fabs(s.length) <= tolerance && fabs(s.curvature) <= 10 * tolerance) {
+        /* the next step, Halley's being of third order */
+        double left = fabs(s.length) * (s.length * s.length + s.curvature * s.curvature);
+        if (good && left <= tolerance) {
             r->x = next;
             return;
         }
@@ -90,11 +92,11 @@ double haft_chaos_line_quantile(const chaos_line *line, double p, double q) {
     r.low = line->low + shift - slack;
     r.high = line->high + shift + slack;
     r.x = 0.5 * (r.low + r.high);
-    if (line->rough_n > 0) {
+    if (line->rough != NULL) {
         root rough = r;
-        rough.n = line->rough_n;
-        rough.centre = line->rough_centre;
-        rough.weight = line->rough_weight;
+        rough.n = line->rough->n;
+        rough.centre = line->rough->centre;
+        rough.weight = line->rough->weight;
         solve(&rough, ROUGH);
         r.x = rough.x;
     }

@@ -158,6 +158,33 @@ static void bimodal_conditionals_are_solved(void **state) {
     }
 }
 
+/* Up to four humps, 0.1 to 1000 bandwidths apart, of weights down to 1e-12 (kernels of a first
+ * component far off), deep tails: the CDF comes back to what the rounding of eta allows. */
+static void any_humps_are_solved(void **state) {
+    (void)state;
+    haft_error error = {0};
+    for (uint64_t t = 0; t < 4000; t++) {
+        double centre[8], scale = pow(10, 4 * test_uniform(t, 0) - 1), eta[2], back[2], tail[2];
+        size_t m = 1 + (size_t)(4 * test_uniform(t, 1));
+        for (size_t k = 0; k < m; k++) {
+            centre[2 * k] = test_uniform(t, 2 + k) < 0.5 ? 0 : 7.4 * test_uniform(t, 6 + k);
+            centre[2 * k + 1] = scale * (test_uniform(t, 10 + k) - 0.5);
+        }
+        haft_chaos *c = model_of_centres(m, 2, centre, 1);
+        haft_chaos_work *work = make_work(c);
+        double p = 0.5 * pow(10, -14 * test_uniform(t, 20)), q = 1 - p;
+        bool lower = test_uniform(t, 21) < 0.5;
+        check_ok(haft_chaos_inverse(c, work, (double[]){0.001, lower ? p : q},
+                                    (double[]){0.999, lower ? q : p}, eta, &error),
+                 error);
+        haft_chaos_rosenblatt(c, work, eta, back, tail);
+        double hazard = 1 + sqrt(-2 * log(p)); /* density / tail, at most */
+        check_relative(lower ? back[1] : tail[1], p, 1e-13 + 4e-16 * hazard * scale);
+        haft_chaos_work_destroy(&work);
+        haft_chaos_destroy(&c);
+    }
+}
+
 /* Equal points are one kernel; a far outlier holds its share and no more; far from all data, where
  * every weight underflows, the nearest centre is left alone. */
 static void degenerate_conditionals_are_solved(void **state) {
@@ -251,6 +278,7 @@ int main(void) {
         cmocka_unit_test(map_is_the_integral_of_the_density),
         cmocka_unit_test(map_and_inverse_cancel),
         cmocka_unit_test(bimodal_conditionals_are_solved),
+        cmocka_unit_test(any_humps_are_solved),
         cmocka_unit_test(degenerate_conditionals_are_solved),
         cmocka_unit_test(probabilities_must_lie_inside),
         cmocka_unit_test(component_order_keeps_the_law),

@@ -238,7 +238,9 @@ static void study_errors(const data *d, const haft_chaos_spec *base) {
             }
         }
     }
-    printf("\nBounds: laws that are none among those of the expansion, N_d = %zu\n", base->order);
+    printf("\nBy bounds: laws that are none among the expansion's, and the variance of q in the\n"
+           "components left out; N_d = %zu\n%-10s %12s %12s\n",
+           base->order, "bounds", "none [%]", "left out [%]");
     for (int b = 0; b < 2; b++) {
         haft_chaos_spec spec = *base;
         haft_chaos_errors errors;
@@ -247,7 +249,8 @@ static void study_errors(const data *d, const haft_chaos_spec *base) {
         spec.bounds = (haft_chaos_bounds)b;
         haft_chaos *c = identify(d, &spec, &unused);
         must(haft_chaos_measure(c, &(haft_chaos_effort){1, 0}, &errors, &error), &error);
-        printf("%-10s %10.4f %%\n", haft_chaos_bounds_name(spec.bounds), 100 * errors.outside);
+        printf("%-10s %12.4f %12.4f\n", haft_chaos_bounds_name(spec.bounds), 100 * errors.outside,
+               100 * errors.reduction);
         haft_chaos_destroy(&c);
     }
 }
