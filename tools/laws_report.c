@@ -87,15 +87,6 @@ static void print_distance(const char *law, const haft_chaos_distance *d, size_t
     }
 }
 
-static double share_left_out(const haft_chaos_parts *p) {
-    double kept = 0, all = 0;
-    for (size_t j = 0; j < HAFT_CHAOS_DIMENSION; j++) {
-        all += p->eigenvalue[j];
-        kept += j < p->components ? p->eigenvalue[j] : 0;
-    }
-    return 1 - kept / all;
-}
-
 static void print_chaos(const haft_laws *laws) {
     haft_chaos_parts p;
     haft_chaos_get_parts(laws->chaos, &p);
@@ -104,7 +95,7 @@ static void print_chaos(const haft_laws *laws) {
            "out),\n    %s kernels of bandwidth %.4f, germ %s, order %zu: %zu terms from %zu points "
            "a direction\n",
            p.m, haft_chaos_bounds_name(p.bounds), p.components, HAFT_CHAOS_DIMENSION,
-           100 * share_left_out(&p), haft_chaos_kernel_name(p.kernel), p.bandwidth,
+           100 * e->reduction, haft_chaos_kernel_name(p.kernel), p.bandwidth,
            haft_chaos_germ_name(p.germ), p.order, p.terms, p.points);
     printf("  %-44s", "component");
     for (size_t j = 0; j < p.components; j++) {

@@ -66,6 +66,7 @@ static void write_errors(haft_hdf *hdf, const haft_chaos_errors *given, size_t c
     haft_hdf_write_real(hdf, "/chaos/errors", "relmise_own_total", errors.relmise_own_total);
     haft_hdf_write_real(hdf, "/chaos/errors", "relmise_total", errors.relmise_total);
     haft_hdf_write_real(hdf, "/chaos/errors", "outside", errors.outside);
+    haft_hdf_write_real(hdf, "/chaos/errors", "reduction", errors.reduction);
 }
 
 static void read_errors(haft_hdf *hdf, haft_chaos_errors *errors, size_t components) {
@@ -82,6 +83,7 @@ static void read_errors(haft_hdf *hdf, haft_chaos_errors *errors, size_t compone
     haft_hdf_read_real(hdf, "/chaos/errors", "relmise_own_total", &errors->relmise_own_total);
     haft_hdf_read_real(hdf, "/chaos/errors", "relmise_total", &errors->relmise_total);
     haft_hdf_read_real(hdf, "/chaos/errors", "outside", &errors->outside);
+    haft_hdf_read_real(hdf, "/chaos/errors", "reduction", &errors->reduction);
 }
 
 /* ---- the model ---- */
