@@ -87,7 +87,7 @@ typedef struct haft_jump {
 
 /** Work done by the solver, for reports of cost. */
 typedef struct haft_path_cost {
-    size_t steps, rejected, newton_iterations, factorizations, folds, flow_steps;
+    size_t steps, rejected, newton_iterations, factorizations, solves, folds, flow_steps;
 } haft_path_cost;
 
 /** A path, grown by haft_solve_path() and owned by the caller. */

@@ -118,6 +118,7 @@ static void write_path(haft_hdf *hdf, size_t realization, const haft_path *path)
     haft_hdf_write_count(hdf, root, "cost_rejected", path->cost.rejected);
     haft_hdf_write_count(hdf, root, "cost_newton_iterations", path->cost.newton_iterations);
     haft_hdf_write_count(hdf, root, "cost_factorizations", path->cost.factorizations);
+    haft_hdf_write_count(hdf, root, "cost_solves", path->cost.solves);
     haft_hdf_write_count(hdf, root, "cost_folds", path->cost.folds);
     haft_hdf_write_count(hdf, root, "cost_flow_steps", path->cost.flow_steps);
 }

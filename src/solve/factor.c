@@ -15,6 +15,7 @@ struct haft_factor {
     klu_symbolic *symbolic;
     klu_numeric *numeric;
     int n;
+    size_t solves;
     int *column, *row; /* own copies: KLU's interface is not const */
 };
 
@@ -103,9 +104,13 @@ bool haft_factor_update(haft_factor *factor, const double *values) {
            factor->common.status == KLU_OK;
 }
 
-void haft_factor_solve(const haft_factor *factor, double *b, int columns) {
-    klu_common common = factor->common; /* KLU writes its status there */
-    klu_solve(factor->symbolic, factor->numeric, factor->n, columns, b, &common);
+void haft_factor_solve(haft_factor *factor, double *b, int columns) {
+    factor->solves++;
+    klu_solve(factor->symbolic, factor->numeric, factor->n, columns, b, &factor->common);
+}
+
+size_t haft_factor_solves(const haft_factor *factor) {
+    return factor->solves;
 }
 
 haft_inertia haft_factor_inertia(const haft_factor *factor) {

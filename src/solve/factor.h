@@ -17,7 +17,10 @@ void haft_factor_destroy(haft_factor **factor);
 bool haft_factor_update(haft_factor *factor, const double *values);
 
 /* Solves in place for `columns` right-hand sides of length n, one after the other. */
-void haft_factor_solve(const haft_factor *factor, double *b, int columns);
+void haft_factor_solve(haft_factor *factor, double *b, int columns);
+
+/* How often that was done; up to four columns together cost little more than one. */
+size_t haft_factor_solves(const haft_factor *factor);
 
 /* Signs of the pivots of the symmetric L D L': by Sylvester's law, those of the eigenvalues. */
 typedef struct haft_inertia {
