@@ -127,6 +127,14 @@ static void beams_that_are_done_are_saved(void **state) {
         r = run_expect(0, HAFT, ARGS("info", "--json", c.path));
         assert_true(json_number(r.out, "run") == (double)done);
         ran_free(&r);
+        r = run_expect(5, HAFT, ARGS("run", c.path));
+        check_says(r.err, "an unfinished run is there already");
+        check_says(r.err, "go on with it by `haft resume`, or start anew with --force");
+        ran_free(&r);
+        r = run_expect(0, HAFT, ARGS("resume", "--json", c.path)); /* and does what is left */
+        assert_true(json_number(r.out, "run") == 10);
+        ran_free(&r);
+        assert_false(exists(&c, "out/parts"));
         case_remove(&c);
     }
 }
