@@ -151,19 +151,24 @@ void print_sweep(const haft_variant *variant, size_t variants, bool json) {
     for (size_t k = 0; k < sweep->keys; k++) {
         printf(" %17s", haft_sweep_leaf(sweep, k));
     }
-    printf(" %9s %-18s %8s %7s %6s %6s %9s %9s %8s\n", "crack", "95 % interval", "s. dev.", "Gamma",
-           "stuck", "free", "internal", "lost in", "a beam");
-    printf(" %3s%*s %9s %-18s %8s %7s %6s %6s %9s %9s %8s\n", "", (int)(18 * sweep->keys), "",
-           "[um]", "of the mean [um]", "[um]", "[mJ/m2]", "", "", "[pJ]", "jumps[pJ]", "[s]");
+    char interval[32];
+    snprintf(interval, sizeof interval, "%.4g %% interval", 100 * variant[0].statistics.confidence);
+    printf(" %9s %-18s %9s %9s %8s %7s %6s %6s %9s %9s %8s\n", "crack", interval, "paper",
+           "measured", "s. dev.", "Gamma", "stuck", "free", "internal", "lost in", "a beam");
+    printf(" %3s%*s %9s %-18s %9s %9s %8s %7s %6s %6s %9s %9s %8s\n", "", (int)(18 * sweep->keys),
+           "", "[um]", "of the mean [um]", "[um]", "[um]", "[um]", "[mJ/m2]", "", "", "[pJ]",
+           "jumps[pJ]", "[s]");
     for (size_t i = 0; i < variants; i++) {
         const haft_statistics *s = &variant[i].statistics;
         printf(" %3zu", i);
         for (size_t k = 0; k < sweep->keys; k++) {
             printf(" %17s", variant[i].c->sweep.text[k]);
         }
-        printf(" %9.3f %8.2f to %6.2f %8.2f %7.3f %6zu %6zu %9.4f %9.4f %8.3f\n", s->mean * 1e6,
-               s->mean_interval.low * 1e6, s->mean_interval.high * 1e6, s->deviation * 1e6,
-               s->gamma * 1e3, s->stuck, s->free, s->internal_energy * 1e12, s->dissipated * 1e12,
-               s->seconds);
+        printf(" %9.3f %8.2f to %6.2f", s->mean * 1e6, s->mean_interval.low * 1e6,
+               s->mean_interval.high * 1e6);
+        print_length(variant[i].c->reference.paper_crack_length);
+        print_length(variant[i].c->reference.measured_crack_length);
+        printf(" %8.2f %7.3f %6zu %6zu %9.4f %9.4f %8.3f\n", s->deviation * 1e6, s->gamma * 1e3,
+               s->stuck, s->free, s->internal_energy * 1e12, s->dissipated * 1e12, s->seconds);
     }
 }

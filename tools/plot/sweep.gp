@@ -9,6 +9,7 @@ table = "../sweep.csv"
 at = 2 + keys # column of "run"
 stats table using (column(2)*swept_factor) nooutput name "X"
 stats table using (column(at + 4)) nooutput name "M"
+known(name) = name eq "paper" ? paper > 0 : measured > 0
 ratio = X_min > 0 ? X_max/X_min : 1
 
 do for [kind in "png svg"] {
@@ -24,8 +25,10 @@ do for [kind in "png svg"] {
              pt 7 ps 1.1*dot lc rgb pale title sprintf("%.4g %% interval", 100*confidence), \
          table using (column(2)*swept_factor):(column(at + 4)) with linespoints pt 7 ps 1.1*dot lw 1.6 \
              lc rgb loading_colour title "mean over the beams", \
-         (paper > 0 ? paper : NaN) with lines dt 2 lc rgb unloading_colour title (paper > 0 ? "paper" : ""), \
-         (measured > 0 ? measured : NaN) with lines dt 3 lc rgb ink title (measured > 0 ? "measured" : "")
+         table using (column(2)*swept_factor):(column(at + 15)) with linespoints dt 2 pt 6 ps 1.1*dot \
+             lc rgb unloading_colour title (known("paper") ? "paper" : ""), \
+         table using (column(2)*swept_factor):(column(at + 16)) with linespoints dt 3 pt 4 ps 1.1*dot \
+             lc rgb ink title (known("measured") ? "measured" : "")
     set title "internal energy at rest"
     set key at screen 0.78, 0.075 center Left reverse maxrows 1 width 2
     set ylabel "internal energy (pJ)" offset 1, 0
