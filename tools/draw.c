@@ -95,24 +95,16 @@ static const char *axis_unit(const char *unit, double greatest, double *factor) 
     return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
 }
 
-int draw_sweep(const haft_case *c, const char *case_folder, terminal *t) {
+int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t) {
     haft_error error = {0};
-    char table[PATH_CAPACITY], folder[PATH_CAPACITY], scripts[PATH_CAPACITY], definitions[512];
-    haft_status status = case_out_path(table, case_folder, "sweep.csv", &error);
-    if (status == HAFT_OK && access(table, R_OK) != 0) {
-        status =
-            haft_error_set(&error, HAFT_ERROR_IO, "%s: %s; run the sweep first, with `haft run`",
-                           table, strerror(errno));
-    }
-    if (status == HAFT_OK) {
-        status = make_out_folder(case_folder, "plots", &error);
-    }
+    char folder[PATH_CAPACITY], scripts[PATH_CAPACITY], definitions[512];
+    haft_status status = make_out_folder(case_folder, "plots", &error);
     if (status == HAFT_OK) {
         status = case_out_path(folder, case_folder, "plots", &error);
     }
     if (status == HAFT_OK) {
         double factor;
-        const char *unit = axis_unit(c->sweep.unit[0], c->sweep.value[0], &factor);
+        const char *unit = axis_unit(c->sweep.unit[0], greatest, &factor);
         find_scripts(scripts);
         snprintf(
             definitions, sizeof definitions,
@@ -152,7 +144,7 @@ static haft_status read_matching_laws(haft_laws **laws, const haft_case *c, cons
     char built[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
     haft_status status = haft_laws_read(laws, built, path, error);
     if (status == HAFT_OK) {
-        status = haft_case_laws_digest(c, wanted, error);
+        status = haft_laws_identify(wanted, c, (*laws)->origin, error);
     }
     if (status == HAFT_OK && strcmp(built, wanted) != 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,

@@ -9,7 +9,8 @@
  * or of the first that left evidence if that is -1. @return the program's exit code */
 int draw_case(const haft_case *c, const char *case_folder, long asked, terminal *t);
 
-/* Draws the table of a sweep, CASE/out/sweep.csv, into CASE/out/plots. @return the exit code */
-int draw_sweep(const haft_case *c, const char *case_folder, terminal *t);
+/* Draws the table of a sweep, CASE/out/sweep.csv, into CASE/out/plots; `greatest` of the values of
+ * its first key chooses the axis' unit. @return the exit code */
+int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t);
 
 #endif

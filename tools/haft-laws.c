@@ -137,7 +137,17 @@ static haft_status fit(haft_laws **laws, const haft_case *c, const arguments *a,
 static haft_status sample(haft_laws **laws, const haft_case *c, const arguments *a,
                           const char *path, haft_error *error) {
     char standard[PATH_CAPACITY];
-    haft_status status = haft_laws_read(laws, NULL, path, error);
+    char found[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
+    haft_status status = haft_laws_read(laws, found, path, error);
+    if (status == HAFT_OK) {
+        status = haft_laws_identify(wanted, c, (*laws)->origin, error);
+    }
+    if (status == HAFT_OK && strcmp(found, wanted) != 0) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s was built from other inputs than the case has now; give "
+                                "haft-laws build --force first",
+                                path);
+    }
     if (status == HAFT_OK) {
         status = case_out_path(standard, a->folder, "sample.csv", error);
     }
@@ -219,6 +229,12 @@ int main(int argc, char **argv) {
     haft_case *c = NULL;
     haft_laws *laws = NULL;
     haft_status status = read_case(&c, a.folder, &error);
+    if (status == HAFT_OK && c->sweep.keys > 0) {
+        status = haft_error_set(&error, HAFT_ERROR_INPUT,
+                                "%s holds a sweep, whose variants have laws of their own; give the "
+                                "folder of one, as %s/out/%s (`haft run` makes them)",
+                                a.folder, a.folder, c->sweep.label);
+    }
     if (status == HAFT_OK) {
         status = carry_out(what, &laws, c, &a, &t, &error);
     }

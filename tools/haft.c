@@ -158,7 +158,7 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     case RESUME:
         return run(c, a->folder, HAFT_RUN_RESUME, a->json, t);
     case PLOT:
-        return swept ? draw_sweep(c, a->folder, t) : draw_case(c, a->folder, a->realization, t);
+        return swept ? plot_sweep(c, a->folder, t) : draw_case(c, a->folder, a->realization, t);
     default:
         return swept ? tell_sweep(c, a->folder, a->json, t) : command_info(c, a, t);
     }

@@ -100,10 +100,11 @@ static haft_status prepare_run(run_paths *paths, haft_summary **summary, const h
                                                        : status;
 }
 
-haft_status run_one(haft_summary **summary, const haft_case *c, const char *folder,
+haft_status run_one(haft_summary **summary, bool *complete, const haft_case *c, const char *folder,
                     haft_run_mode mode, terminal *t, haft_error *error) {
     run_paths paths;
     *summary = NULL;
+    *complete = false;
     haft_status status = prepare_run(&paths, summary, c, folder, error);
     if (!haft_study_ranks_agree(status == HAFT_OK) && status == HAFT_OK) {
         status = haft_error_set(error, HAFT_ERROR_IO, NOT_ALL_RANKS);
@@ -118,6 +119,7 @@ haft_status run_one(haft_summary **summary, const haft_case *c, const char *fold
         haft_progress progress = terminal_progress(t);
         status = haft_study_run(*summary, c, &files, mode, &progress, error);
     }
+    *complete = status == HAFT_OK;
     if (status == HAFT_OK && haft_study_rank() == 0) {
         status = tell_failures(c, *summary, paths.results, error);
     }
@@ -127,7 +129,8 @@ haft_status run_one(haft_summary **summary, const haft_case *c, const char *fold
 int run_case(const haft_case *c, const char *folder, haft_run_mode mode, bool json, terminal *t) {
     haft_error error = {0};
     haft_summary *summary = NULL;
-    haft_status status = run_one(&summary, c, folder, mode, t, &error);
+    bool complete = false;
+    haft_status status = run_one(&summary, &complete, c, folder, mode, t, &error);
     int code = EXIT_OK;
     if (haft_study_rank() == 0) {
         bool told =

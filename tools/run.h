@@ -5,9 +5,9 @@
 #include "terminal.h"
 
 /* Runs the case whose files go into FOLDER/out, on all ranks; rank 0 writes and knows the outcome.
- * HAFT_ERROR_NUMERIC: all is saved, but some beams could not be followed to the end.
- * *summary [realizations] is to be freed with haft_memory_free(). */
-haft_status run_one(haft_summary **summary, const haft_case *c, const char *folder,
+ * A run may be complete, all being saved, and a failure told all the same: some beams could not be
+ * followed to the end. *summary [realizations] is to be freed with haft_memory_free(). */
+haft_status run_one(haft_summary **summary, bool *complete, const haft_case *c, const char *folder,
                     haft_run_mode mode, terminal *t, haft_error *error);
 
 /* The same, said to people; @return the exit code. */

@@ -94,6 +94,12 @@ static void print_json(const haft_case *c, const haft_statistics *s) {
     static const char *const quantile[HAFT_STUDY_QUANTILES] = {
         "crack_length_quantile_05", "crack_length_median", "crack_length_quantile_95"};
     printf("{\n  \"case\": \"%s\",\n  \"version\": \"%s\",\n", c->name, haft_version());
+    if (c->sweep.keys > 0) {
+        printf("  \"variant\": \"%s\",\n", c->sweep.label);
+    }
+    for (size_t k = 0; k < c->sweep.keys; k++) {
+        print_json_number(c->sweep.key[k], c->sweep.value[k], ",");
+    }
     print_json_number("confidence", s->confidence, ",");
     print_json_number("crack_length_mean_m", s->mean, ",");
     print_json_interval("crack_length_mean", s->mean_interval);
@@ -117,6 +123,9 @@ static void print_json(const haft_case *c, const haft_statistics *s) {
            s->stuck, s->free, s->failed);
     print_json_number("jumps_per_beam", s->jumps, ",");
     print_json_number("seconds_per_beam", s->seconds, ",");
+    print_json_number("internal_energy_J", s->internal_energy, ",");
+    print_json_number("dissipated_J", s->dissipated, ",");
+    print_json_number("end_influence", s->end_influence, ",");
     print_json_number("ledger_error", s->ledger_error, "");
     printf("}\n");
 }

@@ -3,9 +3,12 @@
  * can be looked at, drawn or run again alone. */
 #include "sweep.h"
 
+#include "draw.h"
 #include "run.h"
 #include "summary_report.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -14,7 +17,6 @@ typedef struct sweep {
     size_t variants;
     haft_case **c;
     haft_variant *variant;
-    char (*digest)[HAFT_DIGEST_CAPACITY]; /* of each one's laws */
 } sweep;
 
 static void close_sweep(sweep *s) {
@@ -23,7 +25,6 @@ static void close_sweep(sweep *s) {
     }
     haft_memory_free(s->c);
     haft_memory_free(s->variant);
-    haft_memory_free(s->digest);
 }
 
 static haft_status open_sweep(sweep *s, const haft_case *first, const char *folder,
@@ -32,18 +33,14 @@ static haft_status open_sweep(sweep *s, const haft_case *first, const char *fold
     size_t n = first->sweep.variants;
     *s = (sweep){.variants = n,
                  .c = haft_memory_alloc(n, sizeof *s->c, error),
-                 .variant = haft_memory_alloc(n, sizeof *s->variant, error),
-                 .digest = haft_memory_alloc(n, sizeof *s->digest, error)};
-    haft_status status = s->c && s->variant && s->digest ? HAFT_OK : HAFT_ERROR_MEMORY;
+                 .variant = haft_memory_alloc(n, sizeof *s->variant, error)};
+    haft_status status = s->c && s->variant ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
         status = case_path(path, folder, "case.yaml", error);
     }
     for (size_t i = 0; i < n && status == HAFT_OK; i++) {
         status = haft_case_read_variant(&s->c[i], path, i, error);
-        if (status == HAFT_OK) {
-            s->variant[i].c = s->c[i];
-            status = haft_case_laws_digest(s->c[i], s->digest[i], error);
-        }
+        s->variant[i].c = s->c[i];
     }
     if (status != HAFT_OK) {
         close_sweep(s);
@@ -65,39 +62,88 @@ static haft_status variant_folder(char path[PATH_CAPACITY], const char *folder, 
     return case_out_path(path, folder, c->sweep.label, error);
 }
 
+/* Whether the laws at `path` are those of variant i. */
+static bool has_laws(const sweep *s, size_t i, const char *path) {
+    char digest[HAFT_DIGEST_CAPACITY], origin[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
+    return access(path, R_OK) == 0 && haft_laws_peek(digest, origin, path, NULL) == HAFT_OK &&
+           haft_laws_identify(wanted, s->c[i], origin, NULL) == HAFT_OK &&
+           strcmp(digest, wanted) == 0;
+}
+
+/* Puts a second name of a file in place of what is there, whole or not at all. */
+static void link_over(const char *from, const char *to) {
+    char temporary[PATH_CAPACITY];
+    int length = snprintf(temporary, sizeof temporary, "%s.tmp.%ld", to, (long)getpid());
+    if (length > 0 && (size_t)length < sizeof temporary && link(from, temporary) == 0 &&
+        rename(temporary, to) != 0) {
+        unlink(temporary);
+    }
+}
+
 /* Gives variant i the laws of an earlier one of the same inputs. That they are the same file is no
  * harm: laws are replaced, never changed. Where it cannot be done they are built, to the same bits.
  */
 static void take_over_laws(const sweep *s, size_t i, const char *folder) {
     char from[PATH_CAPACITY], to[PATH_CAPACITY], here[PATH_CAPACITY], there[PATH_CAPACITY];
+    if (variant_folder(here, folder, s->c[i], NULL) != HAFT_OK ||
+        case_out_path(to, here, "laws.h5", NULL) != HAFT_OK || has_laws(s, i, to)) {
+        return;
+    }
     for (size_t k = 0; k < i; k++) {
-        bool same = strcmp(s->digest[k], s->digest[i]) == 0 &&
-                    variant_folder(there, folder, s->c[k], NULL) == HAFT_OK &&
-                    variant_folder(here, folder, s->c[i], NULL) == HAFT_OK &&
-                    case_out_path(from, there, "laws.h5", NULL) == HAFT_OK &&
-                    case_out_path(to, here, "laws.h5", NULL) == HAFT_OK;
-        if (same && access(from, R_OK) == 0) {
-            unlink(to);
-            (void)!link(from, to);
+        if (variant_folder(there, folder, s->c[k], NULL) == HAFT_OK &&
+            case_out_path(from, there, "laws.h5", NULL) == HAFT_OK && has_laws(s, i, from)) {
+            link_over(from, to);
             return;
         }
     }
 }
 
+/* Whether the file holds just this text. */
+static bool holds(const char *path, const char *text) {
+    FILE *stream = fopen(path, "r");
+    size_t at = 0;
+    bool same = stream != NULL;
+    for (int c; same && (c = getc(stream)) != EOF; at++) {
+        same = text[at] != '\0' && text[at] == (char)c;
+    }
+    if (stream != NULL) {
+        fclose(stream);
+    }
+    return same && text[at] == '\0';
+}
+
+/* Writes a variant's case.yaml. One of another sweep is not replaced under results that may be its
+ * own, unless all is to be done anew. */
+static haft_status write_variant(const haft_case *c, const char *path, haft_run_mode mode,
+                                 haft_error *error) {
+    char file[PATH_CAPACITY], *text = NULL;
+    haft_status status = case_path(file, path, "case.yaml", error);
+    if (status == HAFT_OK) {
+        status = haft_case_emit(&text, c, error);
+    }
+    if (status == HAFT_OK && !holds(file, text)) {
+        status =
+            mode != HAFT_RUN_ANEW && access(file, F_OK) == 0
+                ? haft_error_set(error, HAFT_ERROR_EXISTS,
+                                 "%s is of another case.yaml than there is now; put that back, "
+                                 "or start anew with `haft run --force`",
+                                 file)
+                : haft_case_write(c, file, error);
+    }
+    haft_memory_free(text);
+    return status;
+}
+
 /* CASE/out/LABEL as a case folder. */
-static haft_status make_variant(const sweep *s, size_t i, const char *folder,
+static haft_status make_variant(const sweep *s, size_t i, const char *folder, haft_run_mode mode,
                                 char path[PATH_CAPACITY], haft_error *error) {
-    char file[PATH_CAPACITY];
     haft_status status = variant_folder(path, folder, s->c[i], error);
     if (haft_study_rank() != 0 || status != HAFT_OK) {
         return status;
     }
     status = make_out_folder(folder, s->c[i]->sweep.label, error);
     if (status == HAFT_OK) {
-        status = case_path(file, path, "case.yaml", error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_case_write(s->c[i], file, error);
+        status = write_variant(s->c[i], path, mode, error);
     }
     if (status == HAFT_OK) {
         status = make_out_folder(path, NULL, error);
@@ -117,11 +163,12 @@ static haft_run_mode mode_of(haft_run_mode mode, const char *variant) {
     return mode == HAFT_RUN_RESUME && !begun ? HAFT_RUN_NEW : mode;
 }
 
-static haft_status run_variant(sweep *s, size_t i, const char *folder, haft_run_mode mode,
-                               terminal *t, haft_error *error) {
+static haft_status run_variant(sweep *s, size_t i, bool *complete, const char *folder,
+                               haft_run_mode mode, terminal *t, haft_error *error) {
     char path[PATH_CAPACITY];
     haft_summary *summary = NULL;
-    haft_status status = make_variant(s, i, folder, path, error);
+    *complete = false;
+    haft_status status = make_variant(s, i, folder, mode, path, error);
     if (status != HAFT_OK) {
         (void)haft_study_ranks_agree(false);
         return status;
@@ -131,8 +178,8 @@ static haft_status run_variant(sweep *s, size_t i, const char *folder, haft_run_
         terminal_close_line(t);
         progress.note(progress.user, s->c[i]->sweep.label);
     }
-    status = run_one(&summary, s->c[i], path, mode_of(mode, path), t, error);
-    if (status == HAFT_OK || status == HAFT_ERROR_NUMERIC) {
+    status = run_one(&summary, complete, s->c[i], path, mode_of(mode, path), t, error);
+    if (*complete && haft_study_rank() == 0) {
         s->variant[i].statistics = haft_study_statistics(s->c[i], summary, s->c[i]->realizations);
     }
     haft_memory_free(summary);
@@ -147,20 +194,22 @@ static haft_status save_table(const sweep *s, const char *folder, haft_error *er
 }
 
 /* All variants; beams that could not be followed end one variant's run no more than a run's. */
-static haft_status run_all(sweep *s, const char *folder, haft_run_mode mode, terminal *t,
-                           haft_error *error) {
+static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_run_mode mode,
+                           terminal *t, haft_error *error) {
     haft_status worst = HAFT_OK;
     haft_error said = {0};
+    *complete = true;
     for (size_t i = 0; i < s->variants; i++) {
-        haft_status status = run_variant(s, i, folder, mode, t, error);
-        if (status != HAFT_OK && status != HAFT_ERROR_NUMERIC) {
+        haft_status status = run_variant(s, i, complete, folder, mode, t, error);
+        if (status != HAFT_OK) {
             haft_error_prefix(error, "variant %s: ", s->c[i]->sweep.label);
+        }
+        if (!*complete) {
             return status;
         }
         if (status != HAFT_OK && worst == HAFT_OK) {
             worst = status;
             said = *error;
-            haft_error_prefix(&said, "variant %s: ", s->c[i]->sweep.label);
         }
     }
     haft_status status = haft_study_rank() == 0 ? save_table(s, folder, error) : HAFT_OK;
@@ -179,10 +228,11 @@ int run_sweep(const haft_case *c, const char *folder, haft_run_mode mode, bool j
         (void)haft_study_ranks_agree(false);
         return haft_study_rank() == 0 ? terminal_fail(t, status, &error) : EXIT_OK;
     }
-    status = run_all(&s, folder, mode, t, &error);
+    bool complete = false;
+    status = run_all(&s, &complete, folder, mode, t, &error);
     int code = EXIT_OK;
     if (haft_study_rank() == 0) {
-        if (status == HAFT_OK || status == HAFT_ERROR_NUMERIC) {
+        if (complete) {
             print_sweep(s.variant, s.variants, json);
         }
         code = status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
@@ -191,32 +241,57 @@ int run_sweep(const haft_case *c, const char *folder, haft_run_mode mode, bool j
     return code;
 }
 
-int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t) {
-    sweep s;
-    haft_error error = {0};
+/* The statistics of all variants from their results. */
+static haft_status gather(sweep *s, const char *folder, haft_error *error) {
     char path[PATH_CAPACITY], results[PATH_CAPACITY];
-    haft_status status = open_sweep(&s, c, folder, &error);
-    if (status != HAFT_OK) {
-        return terminal_fail(t, status, &error);
-    }
-    for (size_t i = 0; i < s.variants && status == HAFT_OK; i++) {
+    haft_status status = HAFT_OK;
+    for (size_t i = 0; i < s->variants && status == HAFT_OK; i++) {
         haft_results_view *view = NULL;
-        status = variant_folder(path, folder, s.c[i], &error);
+        status = variant_folder(path, folder, s->c[i], error);
         if (status == HAFT_OK) {
-            status = case_out_path(results, path, "results.h5", &error);
+            status = case_out_path(results, path, "results.h5", error);
         }
         if (status == HAFT_OK) {
-            status = read_results(&view, s.c[i], results, &error);
+            status = read_results(&view, s->c[i], results, error);
         }
         if (status == HAFT_OK) {
-            s.variant[i].statistics =
-                haft_study_statistics(s.c[i], view->summary, view->realizations);
+            s->variant[i].statistics =
+                haft_study_statistics(s->c[i], view->summary, view->realizations);
         }
         haft_results_view_destroy(&view);
     }
+    return status;
+}
+
+int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t) {
+    sweep s;
+    haft_error error = {0};
+    haft_status status = open_sweep(&s, c, folder, &error);
     if (status == HAFT_OK) {
-        print_sweep(s.variant, s.variants, json);
+        status = gather(&s, folder, &error);
+        if (status == HAFT_OK) {
+            print_sweep(s.variant, s.variants, json);
+        }
+        close_sweep(&s);
     }
-    close_sweep(&s);
     return status == HAFT_OK ? terminal_finish(t, EXIT_OK) : terminal_fail(t, status, &error);
+}
+
+int plot_sweep(const haft_case *c, const char *folder, terminal *t) {
+    sweep s;
+    haft_error error = {0};
+    double greatest = 0;
+    haft_status status = open_sweep(&s, c, folder, &error);
+    if (status == HAFT_OK) {
+        status = gather(&s, folder, &error);
+        if (status == HAFT_OK) {
+            status = save_table(&s, folder, &error);
+        }
+        for (size_t i = 0; i < s.variants; i++) {
+            greatest = fmax(greatest, s.c[i]->sweep.value[0]);
+        }
+        close_sweep(&s);
+    }
+    return status == HAFT_OK ? draw_sweep(c, greatest, folder, t)
+                             : terminal_fail(t, status, &error);
 }

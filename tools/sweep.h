@@ -13,7 +13,8 @@ haft_status check_sweep(const haft_case *c, const char *folder, haft_error *erro
  */
 int run_sweep(const haft_case *c, const char *folder, haft_run_mode mode, bool json, terminal *t);
 
-/* Prints the table of a sweep that has been run. */
+/* Prints the table of a sweep that has been run, or writes it anew and draws it. */
 int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t);
+int plot_sweep(const haft_case *c, const char *folder, terminal *t);
 
 #endif

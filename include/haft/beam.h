@@ -126,7 +126,7 @@ typedef struct haft_energy {
     double rounding; /**< what rounding of u alone may make of their sum */
 } haft_energy;
 
-/** Displacement of a site or of the load point [m]. */
+/** Displacement of a site or of the load point of a model, which has set its `terms` [m]. */
 double haft_model_displacement(const haft_site *site, const double *u);
 
 /** Gaps d[sites] of a state [m]. Thread-safe. */

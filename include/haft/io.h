@@ -199,7 +199,16 @@ typedef struct haft_laws {
     double *asperities;       /**< m: in contact, a patch */
     haft_chaos *chaos;        /**< of the sound vectors; NULL without a model. Owned */
     haft_chaos_errors errors; /**< of its expansion */
+    char origin[HAFT_DIGEST_CAPACITY]; /**< digest of the vectors it was fitted to; "" if built */
 } haft_laws;
+
+/** Digest of laws: haft_case_laws_digest(), and with it the origin where that is not "". */
+haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
+                               const char *origin, haft_error *error) HAFT_MUST_CHECK;
+
+/** Reads the digest and the origin of laws.h5 alone, and checks nothing but their shape. */
+haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_DIGEST_CAPACITY],
+                           const char *path, haft_error *error) HAFT_MUST_CHECK;
 
 haft_status haft_laws_create(haft_laws **out, size_t m, size_t n,
                              haft_error *error) HAFT_MUST_CHECK;

@@ -40,6 +40,11 @@ size_t haft_study_block_patches(const haft_case *c);
 haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
                                   const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
 
+/** Digest of the laws a case uses: of its inputs, and of the vectors too where the laws at `path`
+ *  were fitted to some by those inputs. */
+haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
+                                   const char *path, haft_error *error) HAFT_MUST_CHECK;
+
 /** Brings a case's laws into memory: reads `path` if it was built from the same inputs, else builds
  *  and writes it, saying why through `note`.
  *  @param[out] digest of the inputs */
@@ -112,7 +117,8 @@ void haft_study_ranks_end(void);
 int haft_study_rank(void);
 int haft_study_ranks(void);
 
-/** Are all of them ready? Each must call it once, ready or not, before haft_study_run(). */
+/** Are all of them ready? Each must call it once, ready or not, before each haft_study_run(), which
+ *  none then calls unless all are. */
 bool haft_study_ranks_agree(bool ready);
 
 /** Where a run finds its laws and keeps what it makes. */
@@ -136,17 +142,18 @@ typedef enum haft_run_mode {
 /** Runs the realizations of a case over OpenMP threads, and over ranks where there are several: all
  *  call it with the same arguments and see the same files; rank 0 builds the laws, hands out the
  *  realizations one by one, tells progress, and makes the results; the others return HAFT_OK with
- *  nothing to tell. Each realization is appended to a part file as soon as
- *  it is done, so that a run ended by whatever means loses only what was in work; at the end the
- *  parts become the results file, in order of realization, and go. The same bits for any number of
- *  threads, ranks and interruptions, but for /summary/seconds.
+ *  nothing to tell, or HAFT_ERROR_INTERRUPTED where rank 0 returns a failure. Each realization is
+ * appended to a part file as soon as it is done, so that a run ended by whatever means loses only
+ * what was in work; at the end the parts become the results file, in order of realization, and go.
+ * The same bits for any number of threads, ranks and interruptions, but for /summary/seconds.
  *
  *  Stop rule (case key study.stop.crack_length_mean): the run needs only the realizations 0 to n-1,
  *  n the least multiple of HAFT_STOP_STRIDE from HAFT_STOP_LEAST on for which half the width of the
  *  mean's interval over them is at most that; what was done beyond is dropped.
  *
  *  Stopped through `progress`, it keeps the parts and writes the results done so far as well.
- *  @param[out] summary the case's realizations; outcome -1 where one was not run or was dropped
+ *  @param[out] summary the case's realizations; outcome -1 where one was not run or was dropped;
+ *  rank 0's alone
  *  @return HAFT_ERROR_EXISTS if results or parts are there (NEW) or another process is at work on
  *  them; HAFT_ERROR_INPUT if there is nothing to resume, or it belongs to another case, other laws
  *  or another build; HAFT_ERROR_INTERRUPTED if stopped, after writing. After any failure the parts

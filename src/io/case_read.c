@@ -267,6 +267,17 @@ static void read_missing(haft_case_reader *reader) {
                                haft_case_leaf(key->path), key->example);
         }
     }
+    const struct haft_case_sweep *sweep = &reader->c->sweep;
+    for (size_t i = 0; i < sweep->keys; i++) {
+        int section = section_of(sweep->key[i]);
+        if (section >= 0 && reader->section_mark[section].line == 0 &&
+            haft_case_sections[section].kind == HAFT_SECTION_SWITCH) {
+            haft_case_complain(reader, reader->sweep_mark, "sweep",
+                               "varies %s, but there is no section %s, whose absence turns it off; "
+                               "add it, with its other keys",
+                               sweep->key[i], haft_case_sections[section].path);
+        }
+    }
     int capillary = haft_case_find_section("contact.capillary");
     reader->c->contact.has_capillary = reader->section_mark[capillary].line != 0;
 }

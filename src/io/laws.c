@@ -128,6 +128,7 @@ static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
     haft_hdf_write_real(hdf, "/laws", "f_limit", laws->f_limit);
     haft_hdf_write_text(hdf, "/laws", "f_limit_unit", "Pa");
     haft_hdf_write_count(hdf, "/laws", "sites", laws->sites);
+    haft_hdf_write_text(hdf, "/laws", "fitted_to", laws->origin);
     if (laws->chaos != NULL) {
         haft_laws_write_chaos(hdf, laws);
     }
@@ -143,7 +144,7 @@ haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const cha
                               "%zu sites",
                               path, laws->m, laws->n, laws->sites);
     }
-    haft_status status = haft_case_laws_digest(c, digest, error);
+    haft_status status = haft_laws_identify(digest, c, laws->origin, error);
     haft_store store;
     if (status == HAFT_OK) {
         status = haft_store_open(&store, path, true, error);
@@ -266,22 +267,65 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     }
 }
 
+/* A digest among the attributes; `empty`: or an empty one, or no attribute. */
+static void read_digest(haft_hdf *hdf, const char *object, const char *name, bool empty,
+                        char digest[HAFT_DIGEST_CAPACITY]) {
+    char *found = NULL;
+    digest[0] = '\0';
+    if (empty && hdf->status == HAFT_OK &&
+        H5Aexists_by_name(hdf->file, object, name, H5P_DEFAULT) == 0) {
+        return;
+    }
+    haft_hdf_read_text(hdf, object, name, &found);
+    size_t length = found == NULL ? 0 : strlen(found);
+    if (hdf->status == HAFT_OK && length != HAFT_DIGEST_CAPACITY - 1 && !(empty && length == 0)) {
+        haft_hdf_refuse(hdf, "has a `%s` that is no digest", name);
+    }
+    if (hdf->status == HAFT_OK) {
+        memcpy(digest, found, length + 1);
+    }
+    haft_memory_free(found);
+}
+
+haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
+                               const char *origin, haft_error *error) {
+    haft_status status = haft_case_laws_digest(c, digest, error);
+    if (status == HAFT_OK && origin[0] != '\0') {
+        char both[2 * HAFT_DIGEST_CAPACITY];
+        int size = snprintf(both, sizeof both, "%s%s", digest, origin);
+        haft_digest_memory(both, (size_t)size, digest);
+    }
+    return status;
+}
+
+haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_DIGEST_CAPACITY],
+                           const char *path, haft_error *error) {
+    haft_hdf_voice voice = haft_hdf_hush();
+    haft_hdf hdf;
+    if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, false, error) == HAFT_OK) {
+        read_digest(&hdf, "/", "laws_digest", false, digest);
+        read_digest(&hdf, "/laws", "fitted_to", true, origin);
+        haft_hdf_close(&hdf);
+    }
+    haft_hdf_unhush(voice);
+    return hdf.status;
+}
+
 haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,
                            haft_error *error) {
     *out = NULL;
     haft_hdf_voice voice = haft_hdf_hush();
     haft_hdf hdf;
-    char *found = NULL;
+    char found[HAFT_DIGEST_CAPACITY];
     if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, true, error) == HAFT_OK) {
         read_laws(&hdf, out);
-        haft_hdf_read_text(&hdf, "/", "laws_digest", &found);
-        if (hdf.status == HAFT_OK && strlen(found) != HAFT_DIGEST_CAPACITY - 1) {
-            haft_hdf_refuse(&hdf, "has a `laws_digest` that is no digest");
+        read_digest(&hdf, "/", "laws_digest", false, found);
+        if (hdf.status == HAFT_OK) {
+            read_digest(&hdf, "/laws", "fitted_to", true, (*out)->origin);
         }
         if (hdf.status == HAFT_OK && digest != NULL) {
             memcpy(digest, found, HAFT_DIGEST_CAPACITY);
         }
-        haft_memory_free(found);
         haft_hdf_close(&hdf);
     }
     haft_hdf_unhush(voice);

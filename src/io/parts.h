@@ -40,10 +40,10 @@ typedef struct haft_part_counts {
     uint64_t points, jumps;
     uint64_t dofs; /* of a state; 0: none were kept */
     uint64_t turn, outcome;
-    uint64_t steps, rejected, newton_iterations, factorizations, folds, flow_steps;
-    double ledger_error;
+    uint64_t steps, rejected, newton_iterations, factorizations, solves, folds, flow_steps;
+    double ledger_error, end_influence;
 } haft_part_counts;
-_Static_assert(sizeof(haft_part_counts) == 96, "no holes");
+_Static_assert(sizeof(haft_part_counts) == 112, "no holes");
 
 /* The head a part of this case has, and its text, which is freed with haft_memory_free(). */
 haft_status haft_part_make_head(haft_part_head *head, char **text, const haft_case *c,

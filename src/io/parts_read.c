@@ -312,10 +312,12 @@ static haft_status make_path(haft_path **out, const haft_part_counts *counts, ha
                         .turn = counts->turn,
                         .outcome = (haft_outcome)counts->outcome,
                         .ledger_error = counts->ledger_error,
+                        .end_influence = counts->end_influence,
                         .cost = {.steps = counts->steps,
                                  .rejected = counts->rejected,
                                  .newton_iterations = counts->newton_iterations,
                                  .factorizations = counts->factorizations,
+                                 .solves = counts->solves,
                                  .folds = counts->folds,
                                  .flow_steps = counts->flow_steps}};
     path->point = haft_memory_alloc(path->points, sizeof *path->point, error);
@@ -366,7 +368,8 @@ haft_status haft_parts_read(haft_path **out, haft_summary *summary, const haft_p
                             size_t realization, size_t dofs, haft_error *error) {
     *out = NULL;
     if (!haft_parts_has(parts, realization)) {
-        return haft_error_set(error, HAFT_ERROR_ARGUMENT, "%s: holds no realization %zu",
+        return haft_error_set(error, HAFT_ERROR_IO,
+                              "%s: holds realization %zu no more; give `haft resume`",
                               parts->folder, realization);
     }
     const haft_parts_entry *entry = &parts->entry[realization];

@@ -206,9 +206,11 @@ haft_status haft_part_append(haft_part *part, size_t realization, const haft_pat
                                .rejected = cost->rejected,
                                .newton_iterations = cost->newton_iterations,
                                .factorizations = cost->factorizations,
+                               .solves = cost->solves,
                                .folds = cost->folds,
                                .flow_steps = cost->flow_steps,
-                               .ledger_error = path->ledger_error};
+                               .ledger_error = path->ledger_error,
+                               .end_influence = path->end_influence};
     haft_part_record head = {.realization = realization, .size = haft_part_payload_size(&counts)};
     char *bytes = haft_memory_alloc(sizeof head + head.size, 1, error);
     if (bytes == NULL) {

@@ -102,6 +102,7 @@ static void read_cost(haft_hdf *hdf, const char *root, haft_path_cost *cost) {
         {"cost_rejected", &cost->rejected},
         {"cost_newton_iterations", &cost->newton_iterations},
         {"cost_factorizations", &cost->factorizations},
+        {"cost_solves", &cost->solves},
         {"cost_folds", &cost->folds},
         {"cost_flow_steps", &cost->flow_steps},
     };

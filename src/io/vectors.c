@@ -95,6 +95,12 @@ static haft_status read_layout(layout *l, const haft_units *units, const char *p
     return HAFT_OK;
 }
 
+/* Nothing but a 0, however it is written. */
+static bool is_zero(const char *field) {
+    char *end = NULL;
+    return strtod(field, &end) == 0 && end != field && *(end + strspn(end, " \t")) == '\0';
+}
+
 /* One line into a vector; *sound false where the line itself says that it holds none. */
 static haft_status read_row(const layout *l, const char *path, size_t number, char *line,
                             haft_law_vector *vector, bool *sound, haft_error *error) {
@@ -106,7 +112,7 @@ static haft_status read_row(const layout *l, const char *path, size_t number, ch
                               "names %zu columns",
                               path, number, fields, l->fields);
     }
-    *sound = l->fault == SIZE_MAX || strtod(field[l->fault], NULL) == 0;
+    *sound = l->fault == SIZE_MAX || is_zero(field[l->fault]);
     double value[COLUMNS] = {0};
     for (size_t i = 0; i < COLUMNS && *sound; i++) {
         char *end = NULL;

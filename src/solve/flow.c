@@ -111,7 +111,8 @@ static bool is_arriving(haft_tracker *t, const haft_state *state) {
     return haft_tracker_move(t, state->u, step, NULL) < ARRIVAL;
 }
 
-/* Finishes by KINSOL from an arriving state; the result must be near it and stable. */
+/* Finishes by KINSOL from an arriving state; the result must be near it, stable, and no higher: by
+ * the knots of a table Newton can go back to the fold that the flow came from, a hill nearby. */
 static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *landed) {
     memcpy(landed->u, flowing->u, t->n * sizeof(double));
     landed->load = flowing->load;
@@ -126,7 +127,9 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
     if (haft_tracker_move(t, flowing->u, moved, NULL) > 2 * ARRIVAL) {
         return false;
     }
-    return haft_branch_certify(t, landed->u).negative == 0;
+    double rise = haft_tracker_potential(t, landed) - haft_tracker_potential(t, flowing);
+    return rise <= haft_tracker_rounding(landed, flowing) &&
+           haft_branch_certify(t, landed->u).negative == 0;
 }
 
 /* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */

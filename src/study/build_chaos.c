@@ -53,6 +53,7 @@ haft_status haft_study_fit_laws(haft_laws **out, const haft_case *c, size_t m,
     haft_laws *laws = *out;
     laws->sites = m;
     laws->f_limit = c->law.f_limit;
+    haft_digest_memory(vector, m * sizeof *vector, laws->origin);
     for (size_t k = 0; k < m; k++) {
         haft_law law;
         laws->vector[k] = vector[k];

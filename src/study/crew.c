@@ -8,8 +8,8 @@ static haft_status keep(haft_crew *crew, size_t k, const haft_path *path,
     haft_status status = HAFT_OK;
     omp_set_lock(&crew->lock);
     if (crew->part == NULL) {
-        status = haft_part_create(&crew->part, crew->folder, haft_study_rank(), crew->c,
-                                  crew->laws_digest, error);
+        status = haft_part_create(&crew->part, crew->folder, crew->rank, crew->c, crew->laws_digest,
+                                  error);
     }
     if (status == HAFT_OK) {
         status = haft_part_append(crew->part, k, path, crew->model->dofs, summary, error);

@@ -10,6 +10,7 @@ typedef struct haft_crew {
     const haft_case *c;
     const haft_laws *laws;
     const haft_model *model;
+    int rank;           /* of this process: MPI itself is asked by the thread that began alone */
     const char *folder; /* of the parts */
     const char *laws_digest;
     haft_desk *desk;  /* on rank 0; NULL on the others, which reach it through a relay */

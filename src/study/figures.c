@@ -94,26 +94,65 @@ static haft_status write_surface(const haft_case *c, const char *directory, haft
     return status;
 }
 
-static haft_status write_curves(const haft_laws *laws, const haft_site_laws *sites, size_t curves,
+/* The laws that are shown, and the curves they were made of: by their numbers in laws.h5. */
+typedef struct shown {
+    size_t count, index[CURVES];
+    haft_law law[CURVES];
+    haft_law_vector vector[CURVES];
+} shown;
+
+/* Laws of the first realization's sites, spread over the beam. */
+static void show_sites(shown *s, const haft_site_laws *sites) {
+    s->count = sites->sites < CURVES ? sites->sites : CURVES;
+    for (size_t k = 0; k < s->count; k++) {
+        s->index[k] = k * sites->sites / s->count;
+        s->law[k] = sites->law[s->index[k]];
+        s->vector[k] = sites->vector[s->index[k]];
+    }
+}
+
+/* Sound laws among those that a model was built from. */
+static void show_patches(shown *s, const haft_laws *laws) {
+    s->count = 0;
+    for (size_t k = 0; k < CURVES; k++) {
+        size_t i = k * laws->m / CURVES, end = (k + 1) * laws->m / CURVES;
+        while (i < end && laws->fault[i] != HAFT_LAW_SOUND) {
+            i++;
+        }
+        if (i < end &&
+            haft_law_morse(&s->law[s->count], &laws->vector[i], laws->f_limit) == HAFT_LAW_SOUND) {
+            s->vector[s->count] = laws->vector[i];
+            s->index[s->count++] = i;
+        }
+    }
+}
+
+/* Curves and what became of them; laws fitted to vectors alone stand for their curves themselves.
+ */
+static haft_status write_curves(const haft_case *c, const haft_laws *laws, const shown *s,
                                 const char *directory, haft_error *error) {
-    size_t columns = 1 + 2 * curves;
+    enum { GRID = 221 };
+    size_t columns = 1 + 2 * s->count, n = laws->n > 0 ? laws->n : GRID;
+    double span = c->contact.distance_to - c->contact.distance_from;
     char(*name)[32] = haft_memory_alloc(columns, sizeof *name, error);
     table t = {0};
-    haft_status status = name == NULL ? HAFT_ERROR_MEMORY : make_table(&t, laws->n, columns, error);
-    for (size_t i = 0; status == HAFT_OK && i < laws->n; i++) {
-        double *row = t.value + i * columns, d = laws->distance[i];
+    haft_status status = name == NULL ? HAFT_ERROR_MEMORY : make_table(&t, n, columns, error);
+    for (size_t i = 0; status == HAFT_OK && i < n; i++) {
+        double *row = t.value + i * columns;
+        double d = laws->n > 0 ? laws->distance[i]
+                               : c->contact.distance_from + span * (double)i / (double)(n - 1);
         row[0] = d * 1e9;
-        for (size_t k = 0; k < curves; k++) {
-            size_t site = k * laws->sites / curves;
-            row[1 + 2 * k] = laws->force[site * laws->n + i] * 1e-6;
-            row[2 + 2 * k] = haft_law_evaluate(&sites->law[site], d).force * 1e-6;
+        for (size_t k = 0; k < s->count; k++) {
+            double law = haft_law_evaluate(&s->law[k], d).force;
+            row[1 + 2 * k] = (laws->n > 0 ? laws->force[s->index[k] * n + i] : law) * 1e-6;
+            row[2 + 2 * k] = law * 1e-6;
         }
     }
     if (status == HAFT_OK) {
         t.column[0].name = "distance [nm]";
-        for (size_t k = 0; k < curves; k++) {
-            snprintf(name[1 + 2 * k], sizeof *name, "curve %zu [MPa]", k * laws->sites / curves);
-            snprintf(name[2 + 2 * k], sizeof *name, "law %zu [MPa]", k * laws->sites / curves);
+        for (size_t k = 0; k < s->count; k++) {
+            snprintf(name[1 + 2 * k], sizeof *name, "curve %zu [MPa]", s->index[k]);
+            snprintf(name[2 + 2 * k], sizeof *name, "law %zu [MPa]", s->index[k]);
             t.column[1 + 2 * k].name = name[1 + 2 * k];
             t.column[2 + 2 * k].name = name[2 + 2 * k];
         }
@@ -124,19 +163,18 @@ static haft_status write_curves(const haft_laws *laws, const haft_site_laws *sit
 }
 
 /* The numbers of those curves' laws; NaN where a curve has none. */
-static haft_status write_vectors(const haft_laws *laws, const haft_site_laws *sites, size_t curves,
-                                 const char *directory, haft_error *error) {
+static haft_status write_vectors(const haft_laws *laws, const shown *s, const char *directory,
+                                 haft_error *error) {
     static const char *const name[] = {"site",       "Morse",        "e [mJ/m2]",    "f_max [MPa]",
                                        "d_max [nm]", "d_limit [nm]", "f_limit [MPa]"};
     table t = {0};
-    haft_status status = make_table(&t, curves, 7, error);
+    haft_status status = make_table(&t, s->count, 7, error);
     if (status != HAFT_OK) {
         return status;
     }
-    for (size_t k = 0; k < curves; k++) {
-        size_t site = k * laws->sites / curves;
-        const haft_law_vector *v = &sites->vector[site];
-        double row[7] = {(double)site,        sites->law[site].kind == HAFT_LAW_MORSE,
+    for (size_t k = 0; k < s->count; k++) {
+        const haft_law_vector *v = &s->vector[k];
+        double row[7] = {(double)s->index[k], s->law[k].kind == HAFT_LAW_MORSE,
                          v->e * 1e3,          v->f_max * 1e-6,
                          v->d_max * 1e9,      v->d_limit * 1e9,
                          laws->f_limit * 1e-6};
@@ -148,20 +186,27 @@ static haft_status write_vectors(const haft_laws *laws, const haft_site_laws *si
     return write_table(&t, directory, "vectors.csv", error);
 }
 
-/* Ten curves spread over the first realization, and what the solver makes of each. */
+/* Ten curves, and what the solver or the model makes of each. */
 static haft_status write_laws(const haft_case *c, const haft_laws *laws, const char *directory,
                               haft_error *error) {
     haft_site_laws *sites = NULL;
-    haft_case own = *c;
-    own.law.unfit = HAFT_UNFIT_TABLE;
-    haft_status status = haft_study_site_laws(&sites, &own, laws, 0, error);
-    if (status != HAFT_OK) {
-        return status;
+    haft_status status = HAFT_OK;
+    shown s = {0};
+    if (laws->chaos != NULL) {
+        show_patches(&s, laws);
+    } else {
+        haft_case own = *c;
+        own.law.unfit = HAFT_UNFIT_TABLE;
+        status = haft_study_site_laws(&sites, &own, laws, 0, error);
+        if (status == HAFT_OK) {
+            show_sites(&s, sites);
+        }
     }
-    size_t curves = laws->sites < CURVES ? laws->sites : CURVES;
-    status = write_curves(laws, sites, curves, directory, error);
     if (status == HAFT_OK) {
-        status = write_vectors(laws, sites, curves, directory, error);
+        status = write_curves(c, laws, &s, directory, error);
+    }
+    if (status == HAFT_OK) {
+        status = write_vectors(laws, &s, directory, error);
     }
     haft_site_laws_destroy(&sites);
     return status;

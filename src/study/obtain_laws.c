@@ -19,11 +19,26 @@ static bool shapes_agree(const haft_laws *laws, const haft_case *c) {
            (drawn || (laws->sites == sites && laws->m == sites * c->realizations));
 }
 
+haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
+                                   const char *path, haft_error *error) {
+    char found[HAFT_DIGEST_CAPACITY], origin[HAFT_DIGEST_CAPACITY];
+    haft_status status = haft_laws_identify(digest, c, "", error);
+    if (status == HAFT_OK && access(path, R_OK) == 0 &&
+        haft_laws_peek(found, origin, path, NULL) == HAFT_OK && origin[0] != '\0') {
+        char fitted[HAFT_DIGEST_CAPACITY];
+        status = haft_laws_identify(fitted, c, origin, error);
+        if (status == HAFT_OK && strcmp(fitted, found) == 0) {
+            memcpy(digest, fitted, HAFT_DIGEST_CAPACITY);
+        }
+    }
+    return status;
+}
+
 haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],
                                    const haft_case *c, const char *path,
                                    const haft_progress *progress, haft_error *error) {
     *out = NULL;
-    haft_status status = haft_case_laws_digest(c, digest, error);
+    haft_status status = haft_study_laws_digest(digest, c, path, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -36,10 +51,16 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
             return status;
         }
         if (strcmp(found, digest) == 0 && shapes_agree(*out, c)) {
-            tell(progress, "the laws were built from the same inputs: reading them");
+            tell(progress, (*out)->origin[0] != '\0'
+                               ? "the laws were fitted to a table of vectors: reading them"
+                               : "the laws were built from the same inputs: reading them");
             return HAFT_OK;
         }
+        status = haft_laws_identify(digest, c, "", error);
         haft_laws_destroy(out);
+        if (status != HAFT_OK) {
+            return status;
+        }
         tell(progress, "the laws were built from other inputs: building them anew");
     }
     status = haft_study_build_laws(out, c, progress, error);

@@ -233,7 +233,8 @@ static haft_status go(run *r) {
                       .model = r->model,
                       .folder = r->files->parts,
                       .laws_digest = r->laws_digest,
-                      .desk = &r->desk};
+                      .desk = &r->desk,
+                      .rank = haft_study_rank()};
     haft_error own = {0};
     haft_desk_begin(&r->desk);
     haft_relay_start(true);
@@ -261,7 +262,7 @@ static haft_status go(run *r) {
 
 /* Takes the folder of parts, and looks whether what is there lets this run begin. */
 static haft_status begin(run *r) {
-    haft_status status = haft_case_laws_digest(r->c, r->laws_digest, r->error);
+    haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
     if (status == HAFT_OK) {
         status = haft_parts_hold(&r->parts, r->files->parts, r->error);
     }
@@ -279,7 +280,7 @@ static haft_status lend_a_hand(run *r) {
         return HAFT_OK; /* rank 0 says why */
     }
     char built[HAFT_DIGEST_CAPACITY];
-    haft_status status = haft_case_laws_digest(r->c, r->laws_digest, r->error);
+    haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
     if (status == HAFT_OK) {
         status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
     }
@@ -297,7 +298,8 @@ static haft_status lend_a_hand(run *r) {
                           .laws = r->laws,
                           .model = r->model,
                           .folder = r->files->parts,
-                          .laws_digest = r->laws_digest};
+                          .laws_digest = r->laws_digest,
+                          .rank = haft_study_rank()};
         status = haft_crew_work(&crew, r->error);
     }
     haft_relay_leave(status, r->error->message);
@@ -329,7 +331,11 @@ haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft
              .mode = mode,
              .progress = progress,
              .error = error != NULL ? error : &unheard};
-    haft_status status = haft_study_rank() == 0 ? lead(&r, summary) : lend_a_hand(&r);
+    bool leads = haft_study_rank() == 0;
+    haft_status status = leads ? lead(&r, summary) : lend_a_hand(&r);
+    if (!haft_study_ranks_agree(!leads || status == HAFT_OK) && !leads) {
+        status = haft_error_set(r.error, HAFT_ERROR_INTERRUPTED, "rank 0 ended the run");
+    }
     haft_desk_close(&r.desk);
     haft_model_destroy(&r.model);
     haft_laws_destroy(&r.laws);

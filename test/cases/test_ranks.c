@@ -125,6 +125,20 @@ static void what_goes_wrong_is_told_once(void **state) {
     case_remove(&c);
 }
 
+/* A sweep ends on all ranks where it ends on one: a second run is refused, and no rank waits on. */
+static void a_refused_sweep_ends_on_all_ranks(void **state) {
+    (void)state;
+    static const edit swept[] = {{"  element_length: 3 um\n", ""},
+                                 {"study:", "sweep: {beam.element_length: [3 um, 5 um]}\nstudy:"},
+                                 {0}};
+    case_folder c = case_create(swept);
+    must_run(HAFT_MPIEXEC, ON_RANKS("2", "run", "--quiet", "--threads", "1", c.path));
+    ran r = run_expect(5, HAFT_MPIEXEC, ON_RANKS("2", "run", "--threads", "1", c.path));
+    check_says(r.err, "variant 00_element_length-3um");
+    ran_free(&r);
+    case_remove(&c);
+}
+
 int main(void) {
     /* of Open MPI: more ranks than processors, and whoever runs the tests */
     setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);
@@ -134,6 +148,7 @@ int main(void) {
         cmocka_unit_test(any_number_of_ranks_gives_the_same_files),
         cmocka_unit_test(killed_ranks_are_resumed_by_others),
         cmocka_unit_test(what_goes_wrong_is_told_once),
+        cmocka_unit_test(a_refused_sweep_ends_on_all_ranks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -119,8 +119,49 @@ static void the_model_is_told_sampled_and_fitted(void **state) {
     check_says(r.out, "germ legendre, order 3");
     ran_free(&r);
     r = run_expect(0, HAFT, ARGS("run", c.path));
-    check_says(r.err, REUSED);
+    check_says(r.err, "the laws were fitted to a table of vectors: reading them");
     ran_free(&r);
+
+    /* built again they are other laws: what was computed with the fitted ones is not gone on with
+     */
+    must_run(HAFT_LAWS, ARGS("build", "--quiet", "--force", c.path));
+    char before[HAFT_DIGEST_CAPACITY], origin[HAFT_DIGEST_CAPACITY];
+    check_ok(haft_laws_peek(before, origin, path_in(&c, "out/laws.h5", table), &error), error);
+    assert_string_equal(origin, "");
+    case_remove(&c);
+}
+
+static void a_sample_is_drawn_from_the_case_s_own_model(void **state) {
+    (void)state;
+    static const edit first[] = {SAMPLER("gpce"), {0}};
+    static const edit finer[] = {{"  sampler: explicit ", "  sampler: gpce\n  chaos: {vectors: 60, "
+                                                          "components: 3, order: 4}\n  #"},
+                                 {0}};
+    case_folder c = case_create(first);
+    must_run(HAFT_LAWS, ARGS("build", "--quiet", c.path));
+    case_write(&c, finer);
+    ran r = run_expect(3, HAFT_LAWS, ARGS("sample", c.path));
+    check_says(r.err, "was built from other inputs than the case has now");
+    ran_free(&r);
+    case_remove(&c);
+}
+
+static void a_stochastic_case_is_drawn(void **state) {
+    (void)state;
+    if (access("/usr/bin/gnuplot", X_OK) != 0) {
+        skip();
+    }
+    static const edit edits[] = {SAMPLER("gpce"), {0}};
+    case_folder c = case_create(edits);
+    char table[400], other[400];
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    must_run(HAFT, ARGS("plot", "--quiet", c.path));
+    assert_true(exists(&c, "out/plots/laws.png"));
+    path_in(&c, "vectors.csv", other);
+    assert_int_equal(rename(path_in(&c, "out/laws.csv", table), other), 0);
+    must_run(HAFT_LAWS, ARGS("fit", "--quiet", "--force", c.path, other));
+    must_run(HAFT, ARGS("run", "--quiet", "--force", c.path));
+    must_run(HAFT, ARGS("plot", "--quiet", c.path));
     case_remove(&c);
 }
 
@@ -170,6 +211,8 @@ int main(void) {
         cmocka_unit_test(a_model_is_built_once_for_all_samplers),
         cmocka_unit_test(threads_do_not_change_the_model),
         cmocka_unit_test(the_model_is_told_sampled_and_fitted),
+        cmocka_unit_test(a_sample_is_drawn_from_the_case_s_own_model),
+        cmocka_unit_test(a_stochastic_case_is_drawn),
         cmocka_unit_test(what_cannot_be_drawn_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

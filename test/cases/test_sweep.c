@@ -106,8 +106,50 @@ static void a_sweep_is_told_resumed_and_not_overwritten(void **state) {
     r = run_expect(0, HAFT, ARGS("info", "--json", c.path));
     assert_true(r.out[0] == '[');
     check_says(r.out, "}\n,\n{");
+    check_says(r.out, "\"variant\": \"01_element_length-5um\"");
+    check_says(r.out, "\"beam.element_length\": 5e-06");
     ran_free(&r);
     ran_free(&told);
+
+    /* laws are built for a variant, not for the sweep */
+    r = run_expect(3, HAFT_LAWS, ARGS("build", c.path));
+    check_says(r.err, "out/00_element_length-3um");
+    ran_free(&r);
+    case_remove(&c);
+}
+
+/* A run that is refused leaves variants of another case.yaml as they are. */
+static void a_refused_sweep_changes_nothing(void **state) {
+    (void)state;
+    static const edit other[] = {{"  element_length: 3 um\n", ""},
+                                 {"gap: 400 nm", "gap: 401 nm"},
+                                 {"study:", "sweep: {beam.element_length: [3 um, 5 um]}\nstudy:"},
+                                 {0}};
+    static const char *const kept[] = {"out/00_element_length-3um/case.yaml",
+                                       "out/01_element_length-5um/case.yaml",
+                                       "out/01_element_length-5um/out/results.h5"};
+    case_folder c = case_create(elements);
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    char path[400], *before[3];
+    size_t size[3], now = 0;
+    for (int i = 0; i < 3; i++) {
+        before[i] = read_whole_file(path_in(&c, kept[i], path), &size[i]);
+    }
+    case_write(&c, other);
+    for (int resume = 0; resume < 2; resume++) {
+        ran r = run_expect(5, HAFT, ARGS(resume ? "resume" : "run", c.path));
+        check_says(r.err, "00_element_length-3um/case.yaml is of another case.yaml");
+        check_says(r.err, "haft run --force");
+        ran_free(&r);
+    }
+    for (int i = 0; i < 3; i++) {
+        char *after = read_whole_file(path_in(&c, kept[i], path), &now);
+        assert_int_equal(now, size[i]);
+        assert_memory_equal(after, before[i], now);
+        free(after);
+        free(before[i]);
+    }
+    must_run(HAFT, ARGS("run", "--quiet", "--force", c.path));
     case_remove(&c);
 }
 
@@ -134,7 +176,7 @@ static void a_sweep_is_drawn(void **state) {
     }
     case_folder c = case_create(elements);
     ran r = run_expect(4, HAFT, ARGS("plot", c.path));
-    check_says(r.err, "run the sweep first");
+    check_says(r.err, "results.h5");
     ran_free(&r);
     must_run(HAFT, ARGS("run", "--quiet", c.path));
     must_run(HAFT, ARGS("plot", "--quiet", c.path));
@@ -148,6 +190,7 @@ int main(void) {
         cmocka_unit_test(a_variant_is_what_it_would_be_alone),
         cmocka_unit_test(laws_of_the_same_inputs_are_built_once),
         cmocka_unit_test(a_sweep_is_told_resumed_and_not_overwritten),
+        cmocka_unit_test(a_refused_sweep_changes_nothing),
         cmocka_unit_test(every_variant_is_checked),
         cmocka_unit_test(a_sweep_is_drawn),
     };
