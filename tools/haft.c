@@ -31,7 +31,10 @@ static const char DOC[] =
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
     "  resume   do what is left of a run that was stopped or killed\n"
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
-    "  info     say what a finished run holds\n\n" EXIT_CODES;
+    "  info     say what a finished run holds\n\n"
+    "Where case.yaml holds a sweep, these do so for all its variants, each a case of its own in "
+    "CASE/out. Built with MPI, `mpirun -n N haft run CASE` spreads the beams over N "
+    "ranks.\n\n" EXIT_CODES;
 
 static const struct argp_option OPTIONS[] = {
     {"force", KEY_FORCE, 0, 0, "run: replace results and parts that are there already", 0},
@@ -39,7 +42,7 @@ static const struct argp_option OPTIONS[] = {
     {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
     {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
     {"realization", KEY_REALIZATION, "K", 0,
-     "plot: the beam whose path is drawn (default: the first with evidence)", 0},
+     "plot, of one case: the beam whose path is drawn (default: the first with evidence)", 0},
     {0}};
 
 static long parse_count(struct argp_state *state, const char *text, long least, long most,
