@@ -42,7 +42,8 @@ static const struct argp_option OPTIONS[] = {
     {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
     {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
     {"realization", KEY_REALIZATION, "K", 0,
-     "plot, of one case: the beam whose path is drawn (default: the first with evidence)", 0},
+     "plot, of one case: the beam whose path is drawn (default: the first with evidence, else 0)",
+     0},
     {0}};
 
 static long parse_count(struct argp_state *state, const char *text, long least, long most,

@@ -247,6 +247,12 @@ haft_status haft_study_write_convergence(const haft_case *c, const haft_summary 
 haft_status haft_study_write_laws(const haft_laws *laws, const char *path,
                                   haft_error *error) HAFT_MUST_CHECK;
 
+/** The beam's shapes at the accepted states of a realization's path: its evidence, or of following
+ * it again where it left none. Thread-safe but for HDF5, see haft/io.h. */
+haft_status haft_study_shapes(haft_results_shapes **out, const haft_case *c, const haft_laws *laws,
+                              const char *results_path, size_t realization,
+                              haft_error *error) HAFT_MUST_CHECK;
+
 /** Writes the data of a case's figures as CSV into `directory`, which must exist: surface.csv (a
  *  piece of realization 0's surface), laws.csv (ten of its curves and the laws they became),
  *  vectors.csv (those laws' e, f_max, d_max, d_limit), and of `realization`: shapes.csv (heights in

@@ -332,23 +332,27 @@ static haft_status write_energy(const haft_path *path, const char *directory, ha
     return write_table(&t, directory, "energy.csv", error);
 }
 
+enum { JUMP_COLUMNS = 10 };
+
 static haft_status write_jumps(const haft_path *path, const char *directory, haft_error *error) {
     table t = {0};
-    haft_status status = make_table(&t, path->jumps, 8, error);
+    haft_status status = make_table(&t, path->jumps, JUMP_COLUMNS, error);
     if (status != HAFT_OK) {
         return status;
     }
     for (size_t i = 0; i < path->jumps; i++) {
         const haft_jump *j = &path->jump[i];
-        double row[8] = {j->phase,
-                         j->kind == HAFT_JUMP_PULL_IN ? 0 : 1,
-                         j->load * 1e6,
-                         j->crack_before * 1e6,
-                         j->crack_after * 1e6,
-                         j->internal_before * 1e12,
-                         j->internal_after * 1e12,
-                         j->dissipated * 1e12};
-        memcpy(t.value + i * 8, row, sizeof row);
+        double row[JUMP_COLUMNS] = {j->phase,
+                                    j->kind == HAFT_JUMP_PULL_IN ? 0 : 1,
+                                    j->load * 1e6,
+                                    j->crack_before * 1e6,
+                                    j->crack_after * 1e6,
+                                    j->internal_before * 1e12,
+                                    j->internal_after * 1e12,
+                                    j->dissipated * 1e12,
+                                    j->site,
+                                    j->sites_switched};
+        memcpy(t.value + i * JUMP_COLUMNS, row, sizeof row);
     }
     static const char *const name[] = {"phase",
                                        "pull-out",
@@ -357,20 +361,22 @@ static haft_status write_jumps(const haft_path *path, const char *directory, haf
                                        "crack after [um]",
                                        "internal energy before [pJ]",
                                        "internal energy after [pJ]",
-                                       "dissipated [pJ]"};
-    for (size_t j = 0; j < 8; j++) {
+                                       "dissipated [pJ]",
+                                       "site",
+                                       "sites switched"};
+    for (size_t j = 0; j < JUMP_COLUMNS; j++) {
         t.column[j].name = name[j];
     }
     return write_table(&t, directory, "jumps.csv", error);
 }
 
-static haft_status write_path(const haft_case *c, const char *results_path, size_t realization,
-                              const char *directory, haft_error *error) {
+static haft_status write_path(const haft_case *c, const haft_laws *laws, const char *results_path,
+                              size_t realization, const char *directory, haft_error *error) {
     haft_path *path = NULL;
     haft_results_shapes *shapes = NULL;
     haft_status status = haft_results_read_path(&path, results_path, realization, error);
     if (status == HAFT_OK) {
-        status = haft_results_read_shapes(&shapes, results_path, realization, error);
+        status = haft_study_shapes(&shapes, c, laws, results_path, realization, error);
     }
     if (status == HAFT_OK && (path->points == 0 || shapes->points != path->points)) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
@@ -400,7 +406,7 @@ haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
         status = write_laws(c, laws, directory, error);
     }
     if (status == HAFT_OK) {
-        status = write_path(c, results_path, realization, directory, error);
+        status = write_path(c, laws, results_path, realization, directory, error);
     }
     return status;
 }
