@@ -71,10 +71,27 @@ static void a_label_is_fit_for_a_folder(void **state) {
     haft_case *c = NULL;
     char *text =
         edit("    humidity: 85 %\n", "",
-             "sweep: {contact.capillary.humidity: [85 %, 9e-1], path.gap_step: [0.1, 0.2]}\n");
+             "sweep: {contact.capillary.humidity: [85 %, 9e-1], path.gap_step: [0.1, 0.2], "
+             "load.limit: [1 N, 2 N]}\n");
     check_ok(read_edited(&s, text, 1, &c, &error), error);
-    assert_string_equal(c->sweep.label, "01_humidity-9e-1_gap_step-0.2");
+    assert_string_equal(c->sweep.label, "01_humidity-9e-1_gap_step-0.2_limit-2N");
     check_relative(c->contact.capillary.humidity, 0.9, 1e-14);
+    haft_case_destroy(&c);
+    scratch_remove(&s);
+}
+
+/* Numbers of others beside ours make no other variant. */
+static void references_do_not_label(void **state) {
+    (void)state;
+    scratch s = scratch_create();
+    haft_error error = {0};
+    haft_case *c = NULL;
+    char *text =
+        edit("  paper_crack_length: 219 um\n", "",
+             "sweep: {reference.paper_crack_length: [219 um, 300 um], load.limit: [1 N, 2 N]}\n");
+    check_ok(read_edited(&s, text, 1, &c, &error), error);
+    assert_string_equal(c->sweep.label, "01_limit-2N");
+    check_relative(c->reference.paper_crack_length, 300e-6, 1e-14);
     haft_case_destroy(&c);
     scratch_remove(&s);
 }
@@ -128,6 +145,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_variant_is_the_case_with_its_values),
         cmocka_unit_test(a_label_is_fit_for_a_folder),
+        cmocka_unit_test(references_do_not_label),
         cmocka_unit_test(mistakes_are_told_at_their_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
