@@ -34,6 +34,22 @@ haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft
     return status;
 }
 
+/* A model knows nothing of the patches that it was not built from: that must not go unsaid. */
+static void tell_left_out(const haft_laws *laws, const haft_progress *progress) {
+    size_t count[HAFT_LAW_FAULTS];
+    char text[200];
+    haft_study_count_faults(laws, count);
+    if (laws->chaos != NULL && count[HAFT_LAW_SOUND] < laws->m) {
+        snprintf(
+            text, sizeof text,
+            "%zu of %zu patches have no Morse law and are left out of the model (haft-laws info "
+            "says why): %zu with two wells, %zu below the bound of their energy",
+            laws->m - count[HAFT_LAW_SOUND], laws->m, count[HAFT_LAW_TWO_WELLS],
+            count[HAFT_LAW_BOUND]);
+        tell(progress, text);
+    }
+}
+
 haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],
                                    const haft_case *c, const char *path,
                                    const haft_progress *progress, haft_error *error) {
@@ -54,6 +70,7 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
             tell(progress, (*out)->origin[0] != '\0'
                                ? "the laws were fitted to a table of vectors: reading them"
                                : "the laws were built from the same inputs: reading them");
+            tell_left_out(*out, progress);
             return HAFT_OK;
         }
         status = haft_laws_identify(digest, c, "", error);
@@ -67,6 +84,7 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
     if (status != HAFT_OK) {
         return status;
     }
+    tell_left_out(*out, progress);
     status = haft_laws_write(*out, c, path, error);
     if (status != HAFT_OK) {
         haft_laws_destroy(out);
