@@ -150,6 +150,11 @@ static void print_sweep_json(const haft_variant *variant, size_t variants) {
     printf("]\n");
 }
 
+/* Numbers of others have columns of their own. */
+static bool is_reference(const struct haft_case_sweep *sweep, size_t key) {
+    return strncmp(sweep->key[key], "reference.", strlen("reference.")) == 0;
+}
+
 void print_sweep(const haft_variant *variant, size_t variants, bool json) {
     if (json) {
         print_sweep_json(variant, variants);
@@ -157,21 +162,27 @@ void print_sweep(const haft_variant *variant, size_t variants, bool json) {
     }
     const struct haft_case_sweep *sweep = &variant[0].c->sweep;
     printf("\n%s\n %3s", variant[0].c->title, "");
+    size_t shown = 0;
     for (size_t k = 0; k < sweep->keys; k++) {
-        printf(" %17s", haft_sweep_leaf(sweep, k));
+        if (!is_reference(sweep, k)) {
+            printf(" %17s", haft_sweep_leaf(sweep, k));
+            shown++;
+        }
     }
     char interval[32];
     snprintf(interval, sizeof interval, "%.4g %% interval", 100 * variant[0].statistics.confidence);
     printf(" %9s %-18s %9s %9s %8s %7s %6s %6s %9s %9s %8s\n", "crack", interval, "paper",
            "measured", "s. dev.", "Gamma", "stuck", "free", "internal", "lost in", "a beam");
-    printf(" %3s%*s %9s %-18s %9s %9s %8s %7s %6s %6s %9s %9s %8s\n", "", (int)(18 * sweep->keys),
-           "", "[um]", "of the mean [um]", "[um]", "[um]", "[um]", "[mJ/m2]", "", "", "[pJ]",
+    printf(" %3s%*s %9s %-18s %9s %9s %8s %7s %6s %6s %9s %9s %8s\n", "", (int)(18 * shown), "",
+           "[um]", "of the mean [um]", "[um]", "[um]", "[um]", "[mJ/m2]", "", "", "[pJ]",
            "jumps[pJ]", "[s]");
     for (size_t i = 0; i < variants; i++) {
         const haft_statistics *s = &variant[i].statistics;
         printf(" %3zu", i);
         for (size_t k = 0; k < sweep->keys; k++) {
-            printf(" %17s", variant[i].c->sweep.text[k]);
+            if (!is_reference(sweep, k)) {
+                printf(" %17s", variant[i].c->sweep.text[k]);
+            }
         }
         printf(" %9.3f %8.2f to %6.2f", s->mean * 1e6, s->mean_interval.low * 1e6,
                s->mean_interval.high * 1e6);
