@@ -17,6 +17,7 @@ typedef struct sweep {
     size_t variants;
     haft_case **c;
     haft_variant *variant;
+    char (*inputs)[HAFT_DIGEST_CAPACITY]; /* digest of what each one's laws depend on */
 } sweep;
 
 static void close_sweep(sweep *s) {
@@ -25,6 +26,7 @@ static void close_sweep(sweep *s) {
     }
     haft_memory_free(s->c);
     haft_memory_free(s->variant);
+    haft_memory_free(s->inputs);
 }
 
 static haft_status open_sweep(sweep *s, const haft_case *first, const char *folder,
@@ -33,14 +35,18 @@ static haft_status open_sweep(sweep *s, const haft_case *first, const char *fold
     size_t n = first->sweep.variants;
     *s = (sweep){.variants = n,
                  .c = haft_memory_alloc(n, sizeof *s->c, error),
-                 .variant = haft_memory_alloc(n, sizeof *s->variant, error)};
-    haft_status status = s->c && s->variant ? HAFT_OK : HAFT_ERROR_MEMORY;
+                 .variant = haft_memory_alloc(n, sizeof *s->variant, error),
+                 .inputs = haft_memory_alloc(n, sizeof *s->inputs, error)};
+    haft_status status = s->c && s->variant && s->inputs ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
         status = case_path(path, folder, "case.yaml", error);
     }
     for (size_t i = 0; i < n && status == HAFT_OK; i++) {
         status = haft_case_read_variant(&s->c[i], path, i, error);
         s->variant[i].c = s->c[i];
+        if (status == HAFT_OK) {
+            status = haft_case_laws_digest(s->c[i], s->inputs[i], error);
+        }
     }
     if (status != HAFT_OK) {
         close_sweep(s);
@@ -90,7 +96,8 @@ static void take_over_laws(const sweep *s, size_t i, const char *folder) {
         return;
     }
     for (size_t k = 0; k < i; k++) {
-        if (variant_folder(there, folder, s->c[k], NULL) == HAFT_OK &&
+        if (strcmp(s->inputs[k], s->inputs[i]) == 0 &&
+            variant_folder(there, folder, s->c[k], NULL) == HAFT_OK &&
             case_out_path(from, there, "laws.h5", NULL) == HAFT_OK && has_laws(s, i, from)) {
             link_over(from, to);
             return;

@@ -38,15 +38,36 @@ static haft_laws *fit(const haft_case *c) {
     return laws;
 }
 
+/* A fitted model, and the file it was written to. */
+typedef struct written_model {
+    scratch s;
+    char path[400];
+    haft_case *c;
+    haft_laws *laws;
+} written_model;
+
+static written_model write_model(void) {
+    written_model w = {.s = scratch_create(), .c = read_case(HAFT_SAMPLER_GPCE)};
+    haft_error error = {0};
+    w.laws = fit(w.c);
+    scratch_path(&w.s, "laws.h5", w.path);
+    check_ok(haft_laws_write(w.laws, w.c, w.path, &error), error);
+    return w;
+}
+
+static void drop_model(written_model *w) {
+    haft_laws_destroy(&w->laws);
+    haft_case_destroy(&w->c);
+    scratch_remove(&w->s);
+}
+
 static void a_model_reads_back_to_the_same_bits(void **state) {
     (void)state;
-    scratch s = scratch_create();
-    char path[400];
-    scratch_path(&s, "laws.h5", path);
+    written_model w = write_model();
     haft_error error = {0};
-    haft_case *c = read_case(HAFT_SAMPLER_GPCE);
-    haft_laws *laws = fit(c), *back = NULL;
-    check_ok(haft_laws_write(laws, c, path, &error), error);
+    haft_case *c = w.c;
+    haft_laws *laws = w.laws, *back = NULL;
+    const char *path = w.path;
     check_ok(haft_laws_read(&back, NULL, path, &error), error);
     assert_int_equal(back->n, 0);
     assert_int_equal(back->m, M);
@@ -66,23 +87,16 @@ static void a_model_reads_back_to_the_same_bits(void **state) {
         check_ok(haft_study_draw(back, c, 3, 50, b, &error), error);
         assert_memory_equal(a, b, sizeof a);
     }
-    haft_laws_destroy(&laws);
     haft_laws_destroy(&back);
-    haft_case_destroy(&c);
-    scratch_remove(&s);
+    drop_model(&w);
 }
 
 /* Another program's view: an expansion evaluated from the file alone gives the vectors' means. */
 static void the_file_alone_is_enough_to_sample(void **state) {
     (void)state;
-    scratch s = scratch_create();
-    char path[400];
-    scratch_path(&s, "laws.h5", path);
-    haft_error error = {0};
-    haft_case *c = read_case(HAFT_SAMPLER_GPCE);
-    haft_laws *laws = fit(c);
-    check_ok(haft_laws_write(laws, c, path, &error), error);
-    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    written_model m = write_model();
+    const haft_laws *laws = m.laws;
+    hid_t file = H5Fopen(m.path, H5F_ACC_RDONLY, H5P_DEFAULT);
     assert_true(file >= 0);
     double coefficient[300 * 3], sigma[4], mean[4], value[4], vectors[4][4];
     int index[300 * 3];
@@ -131,9 +145,7 @@ static void the_file_alone_is_enough_to_sample(void **state) {
     double a_left = log(1 + sqrt(1 + 5e6 / v.f_max)) / (v.d_max - v.d_limit);
     check_relative(exp(q[1] * sigma[1]), v.f_max, 1e-11);
     check_relative(exp(q[0] * sigma[0]), v.e - v.f_max / (2 * a_left), 1e-11);
-    haft_laws_destroy(&laws);
-    haft_case_destroy(&c);
-    scratch_remove(&s);
+    drop_model(&m);
 }
 
 /* Writes `value` over the first number of a dataset, as another program might. */
@@ -172,16 +184,13 @@ static void a_model_tampered_with_is_refused(void **state) {
         {"/chaos/component_order", -2, "/chaos"},
         {"/chaos/eigenvalue", (double)NAN, "eigenvalue"},
     };
-    scratch s = scratch_create();
-    char path[400], copy[400];
-    scratch_path(&s, "laws.h5", path);
-    scratch_path(&s, "copy.h5", copy);
+    written_model w = write_model();
+    char copy[400];
+    scratch_path(&w.s, "copy.h5", copy);
     haft_error error = {0};
-    haft_case *c = read_case(HAFT_SAMPLER_GPCE);
-    haft_laws *laws = fit(c), *back = NULL;
-    check_ok(haft_laws_write(laws, c, path, &error), error);
+    haft_laws *back = NULL;
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
-        strip(path, copy);
+        strip(w.path, copy);
         tamper(copy, changes[i].name, changes[i].value);
         assert_int_equal(haft_laws_read(&back, NULL, copy, &error), HAFT_ERROR_INPUT);
         assert_null(back);
@@ -189,9 +198,7 @@ static void a_model_tampered_with_is_refused(void **state) {
             fail_msg("%s: %s", changes[i].name, error.message);
         }
     }
-    haft_laws_destroy(&laws);
-    haft_case_destroy(&c);
-    scratch_remove(&s);
+    drop_model(&w);
 }
 
 static void a_table_of_vectors_is_read_in_any_units(void **state) {
