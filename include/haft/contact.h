@@ -61,7 +61,7 @@ haft_status haft_vdw_from_spec(haft_vdw *out, const haft_vdw_spec *spec,
 typedef enum haft_vdw_path { HAFT_VDW_SEPARATION, HAFT_VDW_APPROACH } haft_vdw_path;
 
 /** Bounds of lambda and of |approach|, and the table's error in force and radius. */
-#define HAFT_MAUGIS_LAMBDA_LEAST 1e-3
+#define HAFT_MAUGIS_LAMBDA_LEAST 1e-4
 #define HAFT_MAUGIS_LAMBDA_MOST 1e2
 #define HAFT_MAUGIS_APPROACH_MOST 1e12
 #define HAFT_MAUGIS_ACCURACY 1e-8

@@ -14,7 +14,7 @@
 enum {
     NODES = 6, /* of a cell, each way */
     CHECKS = 5,
-    BELOW = 40, /* strips below and above the meeting */
+    BELOW = 54, /* strips below and above the meeting */
     ABOVE = 26,
     STRIPS = BELOW + ABOVE,
     CELLS = 24, /* of a strip, along s */
