@@ -58,7 +58,9 @@ static void print_vectors(const haft_laws *laws) {
         take(&v[2], laws->vector[k].d_max);
         take(&v[3], laws->vector[k].d_limit);
     }
-    printf("  law vectors (push limit %.4g MPa)\n", laws->f_limit * 1e-6);
+    bool share = laws->f_limit < 0;
+    printf("  law vectors (push limit %.4g %s)\n", fabs(laws->f_limit) * (share ? 100 : 1e-6),
+           share ? "% of f_max" : "MPa");
     print_spread("energy e [mJ/m2]", v[0], 1e3, NULL);
     print_spread("greatest pull f_max [MPa]", v[1], 1e-6, NULL);
     print_spread("its distance d_max [nm]", v[2], 1e9, NULL);

@@ -60,6 +60,15 @@ typedef enum haft_component_order {
 /** What is done with a curve that no Morse law fits. */
 typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
 
+/** Who says which forces act. */
+typedef enum haft_forces {
+    HAFT_FORCES_GIVEN, /**< the sections there are: contact.capillary, contact.vdw */
+    HAFT_FORCES_AUTO   /**< the humidity, as in the paper: see haft_case_physics() */
+} haft_forces;
+
+/** Below this humidity van der Waals forces are counted, if forces are chosen by it. */
+#define HAFT_VDW_HUMIDITY 0.55
+
 /** A resolved case: defaults filled in, everything in SI. */
 typedef struct haft_case {
     char name[HAFT_NAME_CAPACITY];
@@ -77,14 +86,22 @@ typedef struct haft_case {
         double young_modulus; /**< of both bodies [Pa] */
         double poisson_ratio; /**< of both bodies */
         bool has_capillary;
-        haft_capillary_spec capillary;
+        haft_capillary_spec capillary; /**< its humidity may be 0 if forces are chosen by it */
+        haft_forces forces;
+        bool has_vdw;
+        struct {
+            double hamaker_dry, hamaker_humid; /**< through air, through water [J] */
+            double r0;                         /**< [m] */
+            haft_vdw_path path;
+        } vdw;
         double distance_from, distance_to,
             distance_step; /**< gaps at which f(d) is evaluated [m] */
     } contact;
 
     struct {
         haft_law_kind kind;
-        double f_limit; /**< [Pa] */
+        double f_limit;       /**< [Pa]; 0: by its share */
+        double f_limit_share; /**< of each curve's f_max; 0: by f_limit */
         haft_unfit unfit;
         haft_sampler sampler;
         struct {
@@ -143,8 +160,8 @@ typedef struct haft_case {
  *
  *  Absent: path, study.stop, output, reference, law.chaos and load.limit take their defaults
  *  (load_limit INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary
- *  false, its fields 0); beam.element_length is required for a uniform mesh alone (else 0).
- *  mesh.active_from is half of load.crack_length.
+ *  false, its fields 0); contact.vdw none of those forces (has_vdw false); beam.element_length is
+ * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);
@@ -163,6 +180,21 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 
 /** Shall this realization leave evidence? */
 bool haft_case_wants_evidence(const haft_case *c, size_t realization);
+
+/** The forces that act in a case: those with a section of their own, or, if forces are chosen by
+ *  humidity, the capillary alone from HAFT_VDW_HUMIDITY up, both below it, van der Waals alone at
+ * 0. Source: Hoang et al. (2017), Sec. 5. */
+typedef struct haft_physics {
+    bool capillary, vdw;
+    bool humid; /**< the Hamaker constant is that through water */
+} haft_physics;
+haft_physics haft_case_physics(const haft_case *c);
+
+/** "capillary", "van der Waals", "capillary and van der Waals" or "contact alone". */
+const char *haft_physics_name(haft_physics physics);
+
+/** The limit push of a case's laws, as haft_law_limit() takes it. */
+double haft_case_limit(const haft_case *c);
 
 /** The last part of a swept key's path: "l_meso" of "beam.l_meso". */
 const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key);
@@ -188,7 +220,7 @@ typedef struct haft_laws {
     size_t m, n;
     size_t sites;             /**< laws a realization: law k of realization j is j * sites + k; m
                                    where a model was built from them */
-    double f_limit;           /**< [Pa] */
+    double f_limit;           /**< as haft_law_limit() takes it */
     double *distance;         /**< n [m] */
     double *force;            /**< m x n [Pa] */
     haft_law_vector *vector;  /**< m; NaN where the fault forbids it */

@@ -20,7 +20,8 @@ typedef struct haft_progress {
     void *user;
 } haft_progress;
 
-/** The capillary pressure and range and the equivalent modulus of a case. */
+/** What acts in a case's contacts: capillary, van der Waals forces, the equivalent modulus. The
+ * table that has_vdw needs is the caller's to make. */
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c,
                                     haft_error *error) HAFT_MUST_CHECK;
 

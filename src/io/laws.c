@@ -118,6 +118,27 @@ static void write_curves(haft_hdf *hdf, const haft_laws *laws) {
     }
 }
 
+void haft_hdf_write_limit(haft_hdf *hdf, const char *object, double f_limit) {
+    haft_hdf_write_real(hdf, object, "f_limit", fabs(f_limit));
+    haft_hdf_write_text(hdf, object, "f_limit_unit", f_limit > 0 ? "Pa" : "f_max");
+}
+
+void haft_hdf_read_limit(haft_hdf *hdf, const char *object, double *f_limit) {
+    char *unit = NULL;
+    haft_hdf_read_real(hdf, object, "f_limit", f_limit);
+    haft_hdf_read_text(hdf, object, "f_limit_unit", &unit);
+    if (hdf->status == HAFT_OK) {
+        bool share = strcmp(unit, "f_max") == 0;
+        if (!share && strcmp(unit, "Pa") != 0) {
+            haft_hdf_refuse(hdf, "has an f_limit in \"%.40s\", neither Pa nor f_max", unit);
+        } else if (!(*f_limit > 0)) {
+            haft_hdf_refuse(hdf, "has an f_limit that is not above 0");
+        }
+        *f_limit = share ? haft_law_share(*f_limit) : *f_limit;
+    }
+    haft_memory_free(unit);
+}
+
 static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
     if (laws->n > 0) {
         write_curves(hdf, laws);
@@ -125,8 +146,7 @@ static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
     haft_hdf_write_columns(hdf, "/laws", HAFT_CHAOS_DIMENSION, haft_hdf_vector_columns,
                            laws->vector, sizeof *laws->vector, laws->m);
     write_fault(hdf, laws);
-    haft_hdf_write_real(hdf, "/laws", "f_limit", laws->f_limit);
-    haft_hdf_write_text(hdf, "/laws", "f_limit_unit", "Pa");
+    haft_hdf_write_limit(hdf, "/laws", laws->f_limit);
     haft_hdf_write_count(hdf, "/laws", "sites", laws->sites);
     haft_hdf_write_text(hdf, "/laws", "fitted_to", laws->origin);
     if (laws->chaos != NULL) {
@@ -248,7 +268,7 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     haft_hdf_read_columns(hdf, "/laws", HAFT_CHAOS_DIMENSION, haft_hdf_vector_columns, laws->vector,
                           sizeof *laws->vector, laws->m);
     haft_hdf_read(hdf, "/laws/fault", HAFT_HDF_INT, 1, dims, laws->fault);
-    haft_hdf_read_real(hdf, "/laws", "f_limit", &laws->f_limit);
+    haft_hdf_read_limit(hdf, "/laws", &laws->f_limit);
     haft_hdf_read_count(hdf, "/laws", "sites", &sites);
     if (hdf->status != HAFT_OK) {
         return;
@@ -256,7 +276,7 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     if (sites == 0 || sites > laws->m || laws->m % sites != 0) {
         haft_hdf_refuse(hdf, "has %zu laws, no whole number of realizations of %llu sites", laws->m,
                         (unsigned long long)sites);
-    } else if (!(isfinite(laws->f_limit) && laws->f_limit > 0)) {
+    } else if (!isfinite(laws->f_limit) || laws->f_limit == 0) {
         haft_hdf_refuse(hdf, "has an f_limit that is not above 0");
     }
     laws->sites = (size_t)sites;

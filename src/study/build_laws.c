@@ -12,16 +12,25 @@
 
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, haft_error *error) {
     double e = c->contact.young_modulus, nu = c->contact.poisson_ratio;
+    haft_physics physics = haft_case_physics(c);
     *out = (haft_contact_spec){.asperities = c->contact.asperities,
                                .modulus = haft_contact_modulus(e, nu, e, nu),
-                               .has_capillary = c->contact.has_capillary};
-    if (!c->contact.has_capillary) {
-        return HAFT_OK;
+                               .has_capillary = physics.capillary,
+                               .has_vdw = physics.vdw,
+                               .path = c->contact.vdw.path};
+    haft_status status = HAFT_OK;
+    if (physics.capillary) {
+        haft_capillary capillary = {0};
+        status = haft_capillary_from_spec(&capillary, &c->contact.capillary, error);
+        out->pressure = capillary.pressure;
+        out->capillary_range = capillary.range;
     }
-    haft_capillary capillary;
-    haft_status status = haft_capillary_from_spec(&capillary, &c->contact.capillary, error);
-    out->pressure = capillary.pressure;
-    out->capillary_range = capillary.range;
+    if (physics.vdw && status == HAFT_OK) {
+        haft_vdw_spec spec = {.hamaker = physics.humid ? c->contact.vdw.hamaker_humid
+                                                       : c->contact.vdw.hamaker_dry,
+                              .r0 = c->contact.vdw.r0};
+        status = haft_vdw_from_spec(&out->vdw, &spec, error);
+    }
     return status;
 }
 
@@ -77,6 +86,7 @@ typedef struct build {
     const haft_case *c;
     haft_contact_spec contact;
     haft_surface_plan *plan;
+    haft_maugis_table *maugis;
     haft_laws *laws;
     size_t block_patches, blocks; /* blocks a realization */
     const haft_progress *progress;
@@ -248,16 +258,21 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
     status = haft_laws_create(&b.laws, haft_study_law_count(c), n, error);
     if (status == HAFT_OK) {
         b.laws->sites = patches_of_set(c);
-        b.laws->f_limit = c->law.f_limit;
+        b.laws->f_limit = haft_case_limit(c);
         b.blocks = (b.laws->sites + b.block_patches - 1) / b.block_patches;
         for (size_t i = 0; i < n; i++) {
             b.laws->distance[i] = c->contact.distance_from + span * (double)i / (double)(n - 1);
         }
         status = haft_study_surface_plan(&b.plan, c, b.block_patches, error);
     }
+    if (status == HAFT_OK && b.contact.has_vdw) {
+        status = haft_maugis_table_create(&b.maugis, error);
+        b.contact.maugis = b.maugis;
+    }
     if (status == HAFT_OK) {
         status = run_build(&b, error);
     }
+    haft_maugis_table_destroy(&b.maugis);
     if (status == HAFT_OK && haft_sampler_is_stochastic(c->law.sampler)) {
         status = haft_study_build_chaos(b.laws, c, error);
     }

@@ -174,10 +174,13 @@ static haft_status write_vectors(const haft_laws *laws, const shown *s, const ch
     }
     for (size_t k = 0; k < s->count; k++) {
         const haft_law_vector *v = &s->vector[k];
-        double row[7] = {(double)s->index[k], s->law[k].kind == HAFT_LAW_MORSE,
-                         v->e * 1e3,          v->f_max * 1e-6,
-                         v->d_max * 1e9,      v->d_limit * 1e9,
-                         laws->f_limit * 1e-6};
+        double row[7] = {(double)s->index[k],
+                         s->law[k].kind == HAFT_LAW_MORSE,
+                         v->e * 1e3,
+                         v->f_max * 1e-6,
+                         v->d_max * 1e9,
+                         v->d_limit * 1e9,
+                         haft_law_limit(laws->f_limit, v->f_max) * 1e-6};
         memcpy(t.value + k * 7, row, sizeof row);
     }
     for (size_t j = 0; j < 7; j++) {

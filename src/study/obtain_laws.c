@@ -50,6 +50,15 @@ static void tell_left_out(const haft_laws *laws, const haft_progress *progress) 
     }
 }
 
+static void tell_forces(const haft_case *c, const haft_progress *progress) {
+    char text[120];
+    if (c->contact.forces == HAFT_FORCES_AUTO) {
+        snprintf(text, sizeof text, "forces chosen by the humidity, %g %%: %s",
+                 100 * c->contact.capillary.humidity, haft_physics_name(haft_case_physics(c)));
+        tell(progress, text);
+    }
+}
+
 haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],
                                    const haft_case *c, const char *path,
                                    const haft_progress *progress, haft_error *error) {
@@ -58,6 +67,7 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
     if (status != HAFT_OK) {
         return status;
     }
+    tell_forces(c, progress);
     char found[HAFT_DIGEST_CAPACITY] = "";
     if (access(path, F_OK) != 0) {
         tell(progress, "no laws yet: building them");

@@ -244,9 +244,9 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
     haft_law_vector vector;
     haft_law law;
     double start = now();
-    if (haft_law_characterise(b->n, b->distance, b->force, c->law.f_limit, &vector) ==
+    if (haft_law_characterise(b->n, b->distance, b->force, haft_case_limit(c), &vector) ==
         HAFT_LAW_SOUND) {
-        haft_law_morse(&law, &vector, c->law.f_limit);
+        haft_law_morse(&law, &vector, haft_case_limit(c));
     }
     haft_contact_zero_force(&curve);
     t->characterise += now() - start;
