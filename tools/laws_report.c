@@ -67,6 +67,22 @@ static void print_vectors(const haft_laws *laws) {
     print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
 }
 
+/* What the Morse laws leave of the curves; nothing where vectors came without curves. */
+static void print_misfit(const haft_laws *laws) {
+    spread misfit = {0};
+    for (size_t k = 0; k < laws->m && laws->n > 0; k++) {
+        haft_law law;
+        if (laws->fault[k] == HAFT_LAW_SOUND &&
+            haft_law_morse(&law, &laws->vector[k], laws->f_limit) == HAFT_LAW_SOUND) {
+            take(&misfit,
+                 haft_law_misfit(&law, laws->n, laws->distance, laws->force + k * laws->n));
+        }
+    }
+    if (laws->n > 0) {
+        print_spread("misfit of the Morse law [%]", misfit, 100, NULL);
+    }
+}
+
 /* One number of each component, a row. */
 static void print_row(const char *label, const double *value, size_t n, size_t stride,
                       const char *format) {
@@ -129,6 +145,7 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
         printf(", vectors alone\n");
     }
     print_vectors(laws);
+    print_misfit(laws);
     size_t count[HAFT_LAW_FAULTS];
     haft_study_count_faults(laws, count);
     printf("  Morse law fits %zu of %zu", count[HAFT_LAW_SOUND], laws->m);

@@ -128,6 +128,13 @@ double haft_law_reach(const haft_law *law, double share);
  *  Thread-safe. */
 double haft_law_range(const haft_law *law);
 
+/** The misfit of a law to the curve it stands for: integral |f_law - f| from the law's wall to the
+ *  curve's end, over that of the curve's pull, by the trapezoidal rule on its points. 0 for a law
+ *  that is the curve; 1 if as much energy is out of place as there is.
+ *  @param[in] distance increasing [m], n >= 2
+ *  @return no finite number for a curve that never pulls. Thread-safe. */
+double haft_law_misfit(const haft_law *law, size_t n, const double *distance, const double *force);
+
 #ifdef __cplusplus
 }
 #endif
