@@ -47,6 +47,26 @@ static haft_path *follow(const haft_model *model, const haft_site_laws *laws, co
     return path;
 }
 
+/* Forces and limit come back from the resolved case and from laws.h5. */
+static void check_files(const haft_case *c, const haft_laws *laws) {
+    char path[400];
+    haft_error error = {0};
+    haft_case *again = NULL;
+    haft_laws *back = NULL;
+    scratch s = scratch_create();
+    check_ok(haft_case_write(c, scratch_path(&s, "case.yaml", path), &error), error);
+    check_ok(haft_case_read(&again, path, &error), error);
+    assert_memory_equal(&again->contact.vdw, &c->contact.vdw, sizeof c->contact.vdw);
+    assert_true(again->contact.has_vdw && !again->contact.has_capillary);
+    assert_true(haft_case_limit(again) == haft_case_limit(c));
+    check_ok(haft_laws_write(laws, c, scratch_path(&s, "laws.h5", path), &error), error);
+    check_ok(haft_laws_read(&back, NULL, path, &error), error);
+    assert_true(back->f_limit == laws->f_limit && laws->f_limit == haft_case_limit(c));
+    haft_laws_destroy(&back);
+    haft_case_destroy(&again);
+    scratch_remove(&s);
+}
+
 static void check_chain(int surface, const char *asperities, const char *law) {
     haft_case *c = read_case(surface, asperities, law);
     haft_physics physics = haft_case_physics(c);
@@ -63,6 +83,7 @@ static void check_chain(int surface, const char *asperities, const char *law) {
         }
         assert_true(pull > 0 && pull < 1e6);
     }
+    check_files(c, laws);
     check_ok(haft_study_site_laws(&sites, c, laws, 0, &error), error);
     check_ok(haft_model_create_beam(&model, &c->beam, &c->mesh, &error), error);
     haft_path *path = follow(model, sites, c, 0.25), *fine = follow(model, sites, c, 0.05);

@@ -36,7 +36,8 @@ typedef struct sample {
 } sample;
 
 typedef struct breakdown {
-    double plan, noise, prepare, rows, islands, summits, characterise, above;
+    double plan, noise, prepare, rows, islands, summits, vdw_islands, vdw_summits, characterise,
+        above;
 } breakdown;
 
 static size_t sites_of(const haft_case *c) {
@@ -185,6 +186,7 @@ typedef struct bench {
     haft_surface_plan *plan;
     haft_surface_work *surface;
     haft_contact_work *work;
+    haft_maugis_table *maugis;
     size_t n;
     double *z, *distance, *force, *contact_area, *wet_area, *asperities;
 } bench;
@@ -195,6 +197,8 @@ static void make_bench(bench *b, const haft_case *c, haft_error *error) {
     b->c = c;
     b->n = (size_t)llround(span / c->contact.distance_step) + 1;
     must(haft_study_contact_spec(&b->contact, c, error), error);
+    must(haft_maugis_table_create(&b->maugis, error), error);
+    b->contact.maugis = b->maugis;
     must(haft_study_surface_plan(&b->plan, c, haft_study_block_patches(c), error), error);
     must(haft_surface_work_create(&b->surface, b->plan, error), error);
     must(haft_contact_work_create(&b->work, rows_of(c), columns_of(c), error), error);
@@ -229,9 +233,28 @@ static double time_noise(const bench *b) {
     return time;
 }
 
+/* The same curve without and with van der Waals forces, those through water. */
+static void time_vdw(bench *b, haft_curve *curve, breakdown *t, haft_error *error) {
+    const haft_case *c = b->c;
+    haft_contact_spec spec = b->contact;
+    haft_vdw_spec water = {.hamaker = 9.75e-20, .r0 = 2.09e-10};
+    spec.has_vdw = true;
+    must(haft_vdw_from_spec(&spec.vdw, &water, error), error);
+    for (int k = 0; k < 2; k++) {
+        spec.asperities = k == 0 ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
+        double start = now();
+        must(haft_contact_curve(b->work, &spec, b->z, rows_of(c), columns_of(c),
+                                c->surface.grid_step, curve, error),
+             error);
+        *(k == 0 ? &t->vdw_islands : &t->vdw_summits) += now() - start;
+    }
+}
+
 static void time_patch(bench *b, breakdown *t, haft_error *error) {
     const haft_case *c = b->c;
     haft_curve curve = {b->n, b->distance, b->force, b->contact_area, b->wet_area, b->asperities};
+    time_vdw(b, &curve, t, error);
+    b->contact.has_vdw = false;
     for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
         bool islands = (c->contact.asperities == HAFT_ASPERITY_ISLANDS) == (k == 1);
         b->contact.asperities = islands ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
@@ -284,10 +307,11 @@ static void break_down(const haft_case *c, double floor) {
     const struct {
         const char *name;
         double time;
-    } part[] = {{"plan (once a case)", t.plan},   {"surface: prepare", t.prepare},
-                {"  of it normals", t.noise},     {"surface: rows", t.rows},
-                {"curve, islands", t.islands},    {"curve, summits", t.summits},
-                {"characterise", t.characterise}, {"floor", floor}};
+    } part[] = {{"plan (once a case)", t.plan},         {"surface: prepare", t.prepare},
+                {"  of it normals", t.noise},           {"surface: rows", t.rows},
+                {"curve, islands", t.islands},          {"curve, summits", t.summits},
+                {"  with vdW, islands", t.vdw_islands}, {"  with vdW, summits", t.vdw_summits},
+                {"characterise", t.characterise},       {"floor", floor}};
     printf("\nWhere the time goes, one thread; %.2f %% of the points lie above the least "
            "distance\n",
            100 * t.above / (double)sites);
@@ -296,7 +320,12 @@ static void break_down(const haft_case *c, double floor) {
         printf("%-20s %10.3f %12.3f %12.3f\n", part[i].name, part[i].time,
                1e9 * part[i].time / points, part[i].time / floor);
     }
+    double patch = t.prepare + t.rows;
+    printf("a patch with van der Waals forces over one without: islands %.2f, summits %.2f\n",
+           (patch + t.vdw_islands) / (patch + t.islands),
+           (patch + t.vdw_summits) / (patch + t.summits));
     haft_memory_free(b.z);
+    haft_maugis_table_destroy(&b.maugis);
     haft_contact_work_destroy(&b.work);
     haft_surface_work_destroy(&b.surface);
     haft_surface_plan_destroy(&b.plan);
