@@ -259,9 +259,9 @@ static void a_limit_may_be_a_share_of_the_pull(void **state) {
     assert_int_equal(haft_law_morse(&by_push, &v, 500), HAFT_LAW_SOUND);
     check_relative(by_share.a_left, by_push.a_left, 1e-14);
     check_relative(by_share.a_right, by_push.a_right, 1e-14);
-    check_relative(by_share.wall_force, 500, 1e-14);
-    check_relative(haft_law_evaluate(&by_share, v.d_limit).force, 500, 1e-12);
-    check_relative(haft_law_limit(haft_law_share(0.2), v.f_max), 500, 1e-15);
+    check_relative(by_share.wall_force, 500.0, 1e-14);
+    check_relative(haft_law_evaluate(&by_share, v.d_limit).force, 500.0, 1e-12);
+    check_relative(haft_law_limit(haft_law_share(0.2), v.f_max), 500.0, 1e-15);
     assert_true(haft_law_limit(5e6, v.f_max) == 5e6);
     /* Read off its own curve it is the same law; a share that the curve does not reach is told. */
     enum { N = 4001 };

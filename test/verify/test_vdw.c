@@ -168,8 +168,7 @@ static void fine_islands_come_to_the_spheres(void **state) {
     double nominal = SIDE * SIDE * fine * fine;
     for (int i = 0; i < LEVELS; i++) {
         double area, force = sphere(radius, top - a.distance[i], HAFT_VDW_SEPARATION, &area);
-        check_near(a.force[i] * nominal, force,
-                   0.03 * (M_PI * dry.energy * radius + fabs(force)));
+        check_near(a.force[i] * nominal, force, 0.03 * (M_PI * dry.energy * radius + fabs(force)));
         check_near(a.contact[i] * nominal, area, 0.03 * (area + 1e-17));
     }
 }
