@@ -115,10 +115,11 @@ static haft_status check_spec(const haft_chaos_spec *s, haft_error *error) {
                               (int)s->bounds, (int)s->kernel, (int)s->germ);
     }
     if (s->f_limit == 0 || !isfinite(s->f_limit)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "f_limit = %g; it must be a push in Pa, or less than 0, a share of "
-                              "f_max",
-                              s->f_limit);
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "f_limit = %g; it must be a positive push in Pa, or less than 0 for a share of "
+            "f_max",
+            s->f_limit);
     }
     if (s->components > N) {
         return haft_error_set(error, HAFT_ERROR_INPUT,

@@ -76,6 +76,9 @@ haft_law_fault haft_law_characterise(size_t n, const double *distance, const dou
     if (rises_again(force, at, n - 1, barrier) || rises_again(force, at, 0, barrier)) {
         return HAFT_LAW_TWO_WELLS;
     }
+    if (at == 0) {
+        return HAFT_LAW_RANGE_LEFT;
+    }
     bottom(distance, force, at, vector);
     double limit = haft_law_limit(f_limit, vector->f_max);
     size_t wall = at;
