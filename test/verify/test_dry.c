@@ -19,7 +19,7 @@ static haft_case *read_case(int surface, const char *asperities, const char *law
                         "contact: {asperities: %s, young_modulus: 163 GPa, poisson_ratio: 0.22,\n"
                         "  vdw: {}, distance: {from: 4 nm, to: 24 nm, step: 0.05 nm}}\n"
                         "law: {%s, sampler: patches}\n"
-                        "beam: {length: 360 um, width: 6 um, thickness: 0.3 um, gap: 0.5 um,\n"
+                        "beam: {length: 210 um, width: 6 um, thickness: 0.3 um, gap: 0.5 um,\n"
                         "  young_modulus: 163 GPa, l_meso: 3 um, mesh: exact}\n"
                         "load: {position: 30 um, crack_length: 110 um}\nstudy: {realizations: 1}\n",
                         surfaces[surface], asperities, law);
@@ -86,7 +86,7 @@ static void check_chain(int surface, const char *asperities, const char *law) {
     check_files(c, laws);
     check_ok(haft_study_site_laws(&sites, c, laws, 0, &error), error);
     check_ok(haft_model_create_beam(&model, &c->beam, &c->mesh, &error), error);
-    haft_path *path = follow(model, sites, c, 0.25), *fine = follow(model, sites, c, 0.05);
+    haft_path *path = follow(model, sites, c, 0.25), *fine = follow(model, sites, c, 0.1);
     assert_true(path->jumps > 0);
     assert_int_equal(path->jumps, fine->jumps);
     for (size_t j = 0; j < path->jumps; j++) {
