@@ -26,8 +26,8 @@ haft_status haft_stochastic_draw_components(const haft_chaos *drawn, const haft_
                                             uint64_t seed, size_t n, double *eta,
                                             haft_error *error) HAFT_MUST_CHECK;
 
-/* A grid of n points over all kernels of a column, 4 bandwidths beyond the last centres, but at most
- * `reach` either side of 0, where the centres' mean is. */
+/* A grid of n points over all kernels of a column, 4 bandwidths beyond the last centres, but at
+ * most `reach` either side of 0, where the centres' mean is. */
 void haft_stochastic_grid(const haft_chaos_kernels *kernels, size_t column, double reach, size_t n,
                           double *x);
 
