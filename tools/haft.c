@@ -214,6 +214,12 @@ static int start(const arguments *a, terminal *t) {
                 a->command);
         return EXIT_USAGE;
     }
+    if (a->against != NULL && command != PLOT && command != INFO) {
+        if (leads) {
+            fprintf(stderr, "haft: --against belongs to info and plot, not to %s\n", a->command);
+        }
+        return EXIT_USAGE;
+    }
     if (a->threads > 0) {
         omp_set_num_threads(a->threads);
     }

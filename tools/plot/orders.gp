@@ -11,7 +11,7 @@ label(k) = system(sprintf("head -1 map.csv | cut -d, -f%d", 3 + k))
 own_colours = "#c9a227 #21918c #1f3b73"
 colour(k) = word(own_colours, 3 - orders + k)
 stats "map.csv" using 1 nooutput name "C"
-stats "orders.csv" using ($4 > 1e-6 ? $4 : NaN) nooutput name "O"
+stats "orders.csv" using ($4 > 1e-6 ? $4 : 1e-6) nooutput name "O"
 
 do for [kind in "png svg"] {
     eval(open_figure(kind, "orders", 1700, 800))

@@ -36,9 +36,9 @@ do for [kind in "png svg"] {
     set xrange [M_min/1.3:M_max*1.3]
     set yrange [*:*]
     set key at screen 0.79, 0.09 center Left reverse noenhanced maxrows 3 width 0 samplen 2
-    plot for [j=1:components] "parts.csv" using ($2 > 1 ? $1 : NaN):(column(3+j)):(column(7+j)) with yerrorlines lw 1.3 pt int(word(shapes, j)) ps 0.9*dot lc rgb word(colours, j) title "density of ".word(greek, j), \
-         "parts.csv" using 1:(column(12)) with linespoints lw 1.3 dt (6,4) pt 6 ps 1.1*dot lc rgb loading_colour title "distance of η₁ as drawn", \
-         "parts.csv" using 1:3 with linespoints lw 1.3 dt (2,3) pt 4 ps 1.1*dot lc rgb ink title "expansion from its map"
+    # With one part there is nothing to hold it against.
+    densities = rows > 1 ? "for [j=1:components] 'parts.csv' using ($2 > 1 ? $1 : NaN):(column(3+j)):(column(7+j)) with yerrorlines lw 1.3 pt int(word(shapes, j)) ps 0.9*dot lc rgb word(colours, j) title 'density of '.word(greek, j), " : ""
+    eval("plot ".densities."'parts.csv' using 1:(column(12)) with linespoints lw 1.3 dt (6,4) pt 6 ps 1.1*dot lc rgb loading_colour title 'distance of η₁ as drawn', 'parts.csv' using 1:3 with linespoints lw 1.3 dt (2,3) pt 4 ps 1.1*dot lc rgb ink title 'expansion from its map'")
     unset logscale
     set format y
     unset multiplot
