@@ -28,13 +28,13 @@ static const char DOC[] =
     "Builds the force laws that a case's beams are solved with, from its rough surfaces. CASE is a "
     "folder that holds case.yaml; the laws go into CASE/out/laws.h5.\v"
     "Commands:\n"
-    "  build        build CASE/out/laws.h5\n"
-    "  info         say what CASE/out/laws.h5 holds\n"
-    "  study        say how the model in CASE/out/laws.h5 settles with its order and its vectors\n"
-    "  sample       draw law vectors from the model in CASE/out/laws.h5, by the case's sampler\n"
-    "  fit TABLE    build CASE/out/laws.h5 from the law vectors in a CSV file instead of from\n"
-    "               surfaces; its first line names the columns: e [mJ/m2],f_max [MPa],\n"
-    "               d_max [nm],d_limit [nm]\n\n" EXIT_CODES;
+    "  build      build CASE/out/laws.h5\n"
+    "  info       say what it holds\n"
+    "  study      say how its model settles with order and number of vectors\n"
+    "  sample     draw law vectors from its model, by the case's sampler\n"
+    "  fit TABLE  build it from the law vectors in a CSV file, not from surfaces;\n"
+    "             its first line names the columns: e [mJ/m2],f_max [MPa],\n"
+    "             d_max [nm],d_limit [nm]\n\n" EXIT_CODES;
 
 static const struct argp_option OPTIONS[] = {
     {"force", KEY_FORCE, 0, 0, "build, fit: replace laws that are there already", 0},
