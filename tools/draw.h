@@ -6,8 +6,10 @@
 #include "terminal.h"
 
 /* Draws the figures of CASE into CASE/out/plots, the path being that of the realization asked for,
- * or of the first that left evidence if that is -1. @return the program's exit code */
-int draw_case(const haft_case *c, const char *case_folder, long asked, terminal *t);
+ * or of the first that left evidence if that is -1; and, where `reference` is not NULL, its crack
+ * lengths against those of that case. @return the program's exit code */
+int draw_case(const haft_case *c, const char *case_folder, long asked, const char *reference,
+              terminal *t);
 
 /* Draws the table of a sweep, CASE/out/sweep.csv, into CASE/out/plots; `greatest` of the values of
  * its first key chooses the axis' unit. @return the exit code */

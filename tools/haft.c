@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
+#include "against.h"
 #include "draw.h"
 #include "run.h"
 #include "summary_report.h"
@@ -13,10 +14,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_JSON = 'j', KEY_THREADS = 't', KEY_REALIZATION = 'r' };
+enum {
+    KEY_FORCE = 'f',
+    KEY_QUIET = 'q',
+    KEY_JSON = 'j',
+    KEY_THREADS = 't',
+    KEY_REALIZATION = 'r',
+    KEY_AGAINST = 'a'
+};
 
 typedef struct arguments {
-    const char *command, *folder;
+    const char *command, *folder, *against; /* against: NULL where there is no reference */
     bool force, quiet, json;
     int threads;
     long realization; /* -1: the first that left evidence */
@@ -44,6 +52,8 @@ static const struct argp_option OPTIONS[] = {
     {"realization", KEY_REALIZATION, "K", 0,
      "plot, of one case: the beam whose path is drawn (default: the first with evidence, else 0)",
      0},
+    {"against", KEY_AGAINST, "REFERENCE", 0,
+     "info, plot, of one case: hold its crack lengths against those of another case", 0},
     {0}};
 
 static long parse_count(struct argp_state *state, const char *text, long least, long most,
@@ -75,6 +85,9 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case KEY_REALIZATION:
         a->realization = parse_count(state, value, 0, 1000000000, "--realization");
+        return 0;
+    case KEY_AGAINST:
+        a->against = value;
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 1) {
@@ -160,10 +173,24 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
 enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
 static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
 
+/* What only one case has is refused where there is a sweep. */
+static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
+    haft_error error = {0};
+    return terminal_fail(t,
+                         haft_error_set(&error, HAFT_ERROR_INPUT,
+                                        "%s holds a sweep; what is compared is one case, as "
+                                        "%s/out/%s",
+                                        a->folder, a->folder, c->sweep.label),
+                         &error);
+}
+
 static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
     bool swept = c->sweep.keys > 0;
     int (*run)(const haft_case *, const char *, haft_run_mode, bool, terminal *) =
         swept ? run_sweep : run_case;
+    if (a->against != NULL && swept && command >= PLOT) {
+        return refuse_sweep(c, a, t);
+    }
     switch (command) {
     case CHECK:
         return command_check(c, a, t);
@@ -172,9 +199,12 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     case RESUME:
         return run(c, a->folder, HAFT_RUN_RESUME, a->json, t);
     case PLOT:
-        return swept ? plot_sweep(c, a->folder, t) : draw_case(c, a->folder, a->realization, t);
+        return swept ? plot_sweep(c, a->folder, t)
+                     : draw_case(c, a->folder, a->realization, a->against, t);
     default:
-        return swept ? tell_sweep(c, a->folder, a->json, t) : command_info(c, a, t);
+        return swept                ? tell_sweep(c, a->folder, a->json, t)
+               : a->against != NULL ? tell_against(c, a->folder, a->against, a->json, t)
+                                    : command_info(c, a, t);
     }
 }
 
@@ -192,6 +222,12 @@ static int start(const arguments *a, terminal *t) {
     if (command == COMMANDS) {
         fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
                 a->command);
+        return EXIT_USAGE;
+    }
+    if (a->against != NULL && command != PLOT && command != INFO) {
+        if (leads) {
+            fprintf(stderr, "haft: --against belongs to info and plot, not to %s\n", a->command);
+        }
         return EXIT_USAGE;
     }
     if (a->threads > 0) {
