@@ -232,8 +232,9 @@ static void digest_follows_the_laws_inputs_alone(void **state) {
     c->realizations++;
     memcpy(c->name, "other", 6);
     memcpy(c->title, "other", 6);
-    check_digest_moves(c, before, false, "kind, unfit, mesh, step_limit, evidence, curves, realizations, "
-                                        "name, title");
+    check_digest_moves(c, before, false,
+                       "kind, unfit, mesh, step_limit, evidence, curves, realizations, "
+                       "name, title");
     *c = kept;
     check_digest_moves(c, before, false, "nothing");
     haft_case_destroy(&c);

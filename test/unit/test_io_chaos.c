@@ -262,8 +262,8 @@ static void bad_tables_are_told_by_line(void **state) {
     scratch_remove(&s);
 }
 
-/* The laws' digest: no sampler cares for the beam's length or how many beams there are; a stochastic
- * one not for which of them it is either, but for the model's choices. */
+/* The laws' digest: no sampler cares for the beam's length or how many beams there are; a
+ * stochastic one not for which of them it is either, but for the model's choices. */
 static void the_digest_knows_what_the_model_depends_on(void **state) {
     (void)state;
     haft_error error = {0};

@@ -45,8 +45,8 @@ static haft_laws *make_laws(void) {
     return laws;
 }
 
-/* A set that has kept some curves, of sites that begin later: there and back, and what is refused of
- * its index. */
+/* A set that has kept some curves, of sites that begin later: there and back, and what is refused
+ * of its index. */
 static void laws_with_some_curves_read_back(void **state) {
     (void)state;
     static const int keeps[][3] = {{0, 2, 5}, {4, -1, -1}, {-1, -1, -1}};
