@@ -7,9 +7,7 @@
 
 /* A small case whose mesh leaves the first sites out. */
 #define ACTIVE                                                                                     \
-    {"l_meso: 3 um\n  mesh: uniform ", "l_meso: 3 um\n  mesh: active #"}, {                        \
-        "  element_length: 3 um\n", ""                                                             \
-    }
+    { "element_length: 3 um\n  mesh: uniform ", "mesh: active " }
 
 static haft_laws *read_laws(const case_folder *c) {
     char path[400];
@@ -65,10 +63,8 @@ static void sites_that_stay_out_of_range_get_no_laws(void **state) {
 static void the_active_mesh_gives_the_exact_cracks(void **state) {
     (void)state;
     static const edit active[] = {ACTIVE, {NULL, NULL}};
-    static const edit exact[] = {
-        {"l_meso: 3 um\n  mesh: uniform ", "l_meso: 3 um\n  mesh: exact #"},
-        {"  element_length: 3 um\n", ""},
-        {NULL, NULL}};
+    static const edit exact[] = {{"element_length: 3 um\n  mesh: uniform ", "mesh: exact "},
+                                 {NULL, NULL}};
     case_folder a = case_create(active), b = case_create(exact);
     case_folder *c[2] = {&a, &b};
     haft_results_view *view[2] = {NULL, NULL};
