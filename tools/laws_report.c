@@ -118,10 +118,17 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
     printf("%zu laws", laws->m);
     if (laws->chaos == NULL) {
         printf(", %zu a beam", laws->sites);
+        if (laws->first_site > 0) {
+            printf(" (the first %zu sites never come into range)", laws->first_site);
+        }
     }
     if (laws->n > 0) {
-        printf(", on %zu distances from %.4g to %.4g nm\n", laws->n, laws->distance[0] * 1e9,
+        printf(", on %zu distances from %.4g to %.4g nm", laws->n, laws->distance[0] * 1e9,
                laws->distance[laws->n - 1] * 1e9);
+        if (laws->curves < laws->m) {
+            printf("; %zu curves kept", laws->curves);
+        }
+        printf("\n");
         print_zero_force(laws, c);
     } else {
         printf(", vectors alone\n");

@@ -160,12 +160,17 @@ typedef enum haft_run_mode {
 } haft_run_mode;
 
 /** Runs the realizations of a case over OpenMP threads, and over ranks where there are several: all
- *  call it with the same arguments and see the same files; rank 0 builds the laws, hands out the
- *  realizations one by one, tells progress, and makes the results; the others return HAFT_OK with
- *  nothing to tell, or HAFT_ERROR_INTERRUPTED where rank 0 returns a failure. Each realization is
- * appended to a part file as soon as it is done, so that a run ended by whatever means loses only
- * what was in work; at the end the parts become the results file, in order of realization, and go.
- * The same bits for any number of threads, ranks and interruptions, but for /summary/seconds.
+ *  call it with the same arguments and see the same files; rank 0 builds the model that
+ *  laws are drawn from, hands out the realizations one by one, tells progress, and makes the
+ * results; the others return HAFT_OK with nothing to tell, or HAFT_ERROR_INTERRUPTED where rank 0
+ * returns a failure. Where beams have laws of their own, those that laws.h5 does not hold are built
+ * by whoever follows the beam, just before. Each realization is appended to a part file, its laws
+ * with it, as soon as it is done, so that a run ended by whatever means loses only what was in
+ * work; at the end the parts become the laws and results files, in order of realization, and go.
+ * (Fewer beams than threads, of one process and without a stop rule, have their laws built by all
+ * threads together first.) The same bits for any number of threads, ranks and interruptions, but
+ * for /summary/seconds; but laws.h5 may keep more beams' laws than a run needs if they were there
+ * before.
  *
  *  Stop rule (case key study.stop.crack_length_mean): the run needs only the realizations 0 to n-1,
  *  n the least multiple of HAFT_STOP_STRIDE from HAFT_STOP_LEAST on for which half the width of the

@@ -247,9 +247,30 @@ static void tell_stop(const run *r) {
 
 /* ---- all of it ---- */
 
+/* Fewer beams than threads: all threads build the laws of all of them first, block by block. A stop
+ * rule, which may need fewer beams, has them built one by one. */
+static haft_status build_together(run *r) {
+    bool direct = !haft_sampler_is_stochastic(r->c->law.sampler);
+    bool few = r->c->realizations < (size_t)omp_get_max_threads() && haft_study_ranks() == 1 &&
+               !(r->c->stop.crack_length_mean > 0) && haft_parts_found(r->parts) == 0;
+    size_t lacking = 0;
+    for (size_t k = 0; k < r->c->realizations; k++) {
+        lacking += !haft_study_has_laws(r->c, r->laws, k);
+    }
+    if (!direct || !few || lacking < r->c->realizations) {
+        return HAFT_OK;
+    }
+    haft_laws_destroy(&r->laws);
+    haft_status status = haft_study_build_laws(&r->laws, r->c, r->progress, r->error);
+    return status == HAFT_OK ? haft_laws_write(r->laws, r->c, r->files->laws, r->error) : status;
+}
+
 static haft_status prepare(run *r) {
     haft_status status = haft_study_obtain_laws(&r->laws, r->laws_digest, r->c, r->files->laws,
                                                 r->progress, r->error);
+    if (status == HAFT_OK) {
+        status = build_together(r);
+    }
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
     }

@@ -68,12 +68,12 @@ static void kill_twenty_times(const edit *edits, bool laws_first) {
         copy_laws(&whole, &killed);
     }
     double start = now();
-    must_run(HAFT, ARGS("run", "--quiet", whole.path));
+    must_run(HAFT, ARGS("run", "--quiet", "--threads", "2", whole.path));
     double alone = now() - start;
     int kept = 0, halfway = 0;
     for (uint64_t i = 0; i < KILLS; i++) {
-        const char *const *args =
-            kept > 0 ? ARGS("resume", killed.path) : ARGS("run", "--force", killed.path);
+        const char *const *args = kept > 0 ? ARGS("resume", "--threads", "2", killed.path)
+                                           : ARGS("run", "--force", "--threads", "2", killed.path);
         child c = start_program(HAFT, args, 0);
         kill_within(0.4 * alone, &c, i);
         ran r = end_program(c);
