@@ -67,15 +67,15 @@ static void print_vectors(const haft_laws *laws) {
     print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
 }
 
-/* What the Morse laws leave of the curves; nothing where vectors came without curves. */
+/* What the Morse laws leave of those curves that are kept; nothing where vectors came without. */
 static void print_misfit(const haft_laws *laws) {
     spread misfit = {0};
-    for (size_t k = 0; k < laws->m && laws->n > 0; k++) {
+    for (size_t k = 0; k < laws->m; k++) {
+        const double *curve = haft_laws_curve(laws, k);
         haft_law law;
-        if (laws->fault[k] == HAFT_LAW_SOUND &&
+        if (curve != NULL && laws->fault[k] == HAFT_LAW_SOUND &&
             haft_law_morse(&law, &laws->vector[k], laws->f_limit) == HAFT_LAW_SOUND) {
-            take(&misfit,
-                 haft_law_misfit(&law, laws->n, laws->distance, laws->force + k * laws->n));
+            take(&misfit, haft_law_misfit(&law, laws->n, laws->distance, curve));
         }
     }
     if (laws->n > 0) {
@@ -136,10 +136,17 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
     printf("%zu laws", laws->m);
     if (laws->chaos == NULL) {
         printf(", %zu a beam", laws->sites);
+        if (laws->first_site > 0) {
+            printf(" (the first %zu sites never come into range)", laws->first_site);
+        }
     }
     if (laws->n > 0) {
-        printf(", on %zu distances from %.4g to %.4g nm\n", laws->n, laws->distance[0] * 1e9,
+        printf(", on %zu distances from %.4g to %.4g nm", laws->n, laws->distance[0] * 1e9,
                laws->distance[laws->n - 1] * 1e9);
+        if (laws->curves < laws->m) {
+            printf("; %zu curves kept", laws->curves);
+        }
+        printf("\n");
         print_zero_force(laws, c);
     } else {
         printf(", vectors alone\n");

@@ -22,6 +22,7 @@ static const char *const germs[] = {"legendre", "hermite", "jacobi", NULL};
 static const char *const kernels[] = {"scott", "preserving", NULL};
 static const char *const bounds[] = {"strict", "paper", NULL};
 static const char *const component_orders[] = {"falling", "rising", NULL};
+static const char *const curves[] = {"all", "needed", NULL};
 static const char *const meshes[] = {"uniform", "exact", "active", NULL};
 
 /* A choice is stored through an int, and a pair as two doubles in a row. */
@@ -30,6 +31,8 @@ _Static_assert(sizeof(haft_law_kind) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_unfit) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_sampler) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_mesh_kind) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_curves_kept) == sizeof(int), "enums are ints");
+_Static_assert(HAFT_CURVES_ALL == 0 && HAFT_CURVES_NEEDED == 1, "order of choices");
 _Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
 _Static_assert(HAFT_FORCES_GIVEN == 0 && HAFT_FORCES_AUTO == 1 && HAFT_VDW_SEPARATION == 0 &&
                    HAFT_VDW_APPROACH == 1,
@@ -170,8 +173,7 @@ const haft_key haft_case_keys[] = {
     COUNT("law.chaos.points", .low = 0, .high = HAFT_CHAOS_POINTS_LIMIT, .fallback = "0",
           .example = "13", .offset = AT(law.chaos.spec.points), .laws = HAFT_LAWS_CHAOS),
 
-    REAL("beam.length", "m", POSITIVE, .example = "600 um", .offset = AT(beam.length),
-         .laws = HAFT_LAWS_DIRECT),
+    REAL("beam.length", "m", POSITIVE, .example = "600 um", .offset = AT(beam.length)),
     REAL("beam.width", "m", POSITIVE, .example = "30 um", .offset = AT(beam.width),
          .laws = HAFT_LAWS_ALWAYS),
     REAL("beam.thickness", "m", POSITIVE, .example = "2.62 um", .offset = AT(beam.thickness)),
@@ -205,8 +207,7 @@ const haft_key haft_case_keys[] = {
     COUNT("path.step_limit", .low = 1, .high = 1e12, .fallback = "200000", .example = "200000",
           .offset = AT(path.step_limit)),
 
-    COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations),
-          .laws = HAFT_LAWS_DIRECT),
+    COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations)),
     REAL("study.stop.crack_length_mean", "m", POSITIVE, .fallback = "none", .example = "0.5 um",
          .offset = AT(stop.crack_length_mean)),
     REAL("study.stop.confidence", "1", SHARE, .fallback = "95 %", .example = "95 %",
@@ -217,6 +218,7 @@ const haft_key haft_case_keys[] = {
      .fallback = "[]",
      .example = "[0]",
      .offset = AT(evidence)},
+    CHOICE("output.curves", curves, .fallback = "all", .example = "needed", .offset = AT(curves)),
 
     REAL("reference.paper_crack_length", "m", POSITIVE, .fallback = "none", .example = "219 um",
          .offset = AT(reference.paper_crack_length)),

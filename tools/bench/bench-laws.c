@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the laws of one beam cost, against the floor: bare FFTW complex-to-real 2-D transforms of as
  * many points, block by block, planned with the same flag. Where the time goes; and what a finer
- * grid or kernel buys.
+ * grid or kernel buys; and what a beam of its own surface costs in all, with the laws of every site
+ * and with those alone that can come into range.
  *
  *     bench-laws [-r rounds] [-p patches] [-s] [case directory]
  *
@@ -40,8 +41,9 @@ typedef struct breakdown {
         above;
 } breakdown;
 
+/* Those that get laws. */
 static size_t sites_of(const haft_case *c) {
-    return (size_t)llround(c->beam.length / c->mesh.l_meso);
+    return haft_study_sites(c) - haft_study_first_site(c);
 }
 
 static size_t rows_of(const haft_case *c) {
@@ -331,6 +333,61 @@ static void break_down(const haft_case *c, double floor) {
     haft_surface_plan_destroy(&b.plan);
 }
 
+/* ---- a beam in all ---- */
+
+/* Laws and path of a beam by one thread; the time of the path goes into `zero_distance`, the crack
+ * into `e`. */
+static void follow(const haft_case *c, int threads, sample *out) {
+    haft_laws *laws = NULL;
+    haft_site_laws *sites = NULL;
+    haft_model *model = NULL;
+    haft_path *path = NULL;
+    haft_summary summary = {0};
+    omp_set_num_threads(threads);
+    double start = now();
+    haft_status status = haft_study_build_laws(&laws, c, NULL, &out->error);
+    out->seconds = now() - start;
+    start = now();
+    if (status == HAFT_OK) {
+        status = haft_model_create_beam(&model, &c->beam, &c->mesh, &out->error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_site_laws(&sites, c, laws, 0, &out->error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_realize(&path, &summary, c, model, sites, false, &out->error);
+    }
+    out->zero_distance = now() - start;
+    out->e = summary.crack_length;
+    haft_path_destroy(&path);
+    haft_site_laws_destroy(&sites);
+    haft_model_destroy(&model);
+    haft_laws_destroy(&laws);
+}
+
+static void time_beam(const haft_case *base, int rounds) {
+    static const haft_mesh_kind mesh[] = {HAFT_MESH_EXACT, HAFT_MESH_ACTIVE};
+    printf("\nA beam of %g um in all, its laws and its path, one thread, median of %d\n",
+           1e6 * base->beam.length, rounds);
+    printf("%-22s %8s %10s %10s %10s %14s\n", "laws of", "sites", "laws [s]", "path [s]", "all [s]",
+           "crack [um]");
+    for (int i = 0; i < 2; i++) {
+        double laws[ROUND_LIMIT], path[ROUND_LIMIT], crack = NAN;
+        haft_case c = *base;
+        c.mesh.kind = mesh[i];
+        for (int r = 0; r < rounds; r++) {
+            sample s = apart(follow, &c, 1);
+            laws[r] = s.seconds;
+            path[r] = s.zero_distance;
+            crack = s.e;
+        }
+        double a = median(laws, rounds), b = median(path, rounds);
+        printf("%-22s %8zu %10.2f %10.2f %10.2f %14.9f\n",
+               i == 0 ? "every site" : "those that may touch", sites_of(&c), a, b, a + b,
+               1e6 * crack);
+    }
+}
+
 /* ---- speed against error ---- */
 
 static void study_error(const haft_case *base) {
@@ -401,6 +458,9 @@ int main(int count, char **arguments) {
     double floor = 0;
     compare_with_floor(c, rounds, &floor);
     break_down(c, floor);
+    if (patches == 0) { /* a shortened beam comes to no crack */
+        time_beam(c, rounds);
+    }
     if (study) {
         study_error(c);
     }
