@@ -59,10 +59,18 @@ static haft_status draw(const char *scripts, const char *name, const char *folde
     return HAFT_OK;
 }
 
-static void set_environment(const haft_case *c, const char *scripts) {
-    setenv("HAFT_TITLE", c->title, 1);
+static void set_environment(const char *title, const char *scripts) {
+    setenv("HAFT_TITLE", title, 1);
     setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
     setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
+}
+
+haft_status draw_script(const char *name, const char *folder, const char *title,
+                        const char *definitions, haft_error *error) {
+    char scripts[PATH_CAPACITY];
+    find_scripts(scripts);
+    set_environment(title, scripts);
+    return draw(scripts, name, folder, definitions, error);
 }
 
 static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
@@ -80,7 +88,7 @@ static haft_status draw_all(const haft_case *c, const char *folder, haft_error *
                                                           : -1,
              c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6,
              c->stop.confidence);
-    set_environment(c, scripts);
+    set_environment(c->title, scripts);
     haft_status status = HAFT_OK;
     for (size_t i = 0; status == HAFT_OK && i < count; i++) {
         status = draw(scripts, figures[i], folder, definitions, error);
@@ -115,7 +123,7 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                          : -1,
             c->stop.confidence);
-        set_environment(c, scripts);
+        set_environment(c->title, scripts);
         status = draw(scripts, "sweep", folder, definitions, &error);
     }
     if (status != HAFT_OK) {

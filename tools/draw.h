@@ -13,4 +13,8 @@ int draw_case(const haft_case *c, const char *case_folder, long asked, terminal 
  * its first key chooses the axis' unit. @return the exit code */
 int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t);
 
+/* Draws one script's figure from the CSV files in `folder`, under a title. */
+haft_status draw_script(const char *name, const char *folder, const char *title,
+                        const char *definitions, haft_error *error);
+
 #endif

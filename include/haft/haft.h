@@ -13,5 +13,6 @@
 #include "haft/solve.h"
 #include "haft/study.h"
 #include "haft/surface.h"
+#include "haft/surface_map.h"
 
 #endif

@@ -18,6 +18,7 @@
 #include "haft/law.h"
 #include "haft/solve.h"
 #include "haft/surface.h"
+#include "haft/surface_map.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -239,6 +240,41 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
  *  database: one thread at a time. */
 haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *path,
                               haft_error *error) HAFT_MUST_CHECK;
+
+/** What a height map's file may leave unsaid. */
+typedef struct haft_map_options {
+    const char *channel; /**< by its name in the file, NULL or "": the first with heights */
+    double width,
+        height;  /**< of the whole map along x and y [m], where its file gives none; else 0 */
+    double unit; /**< of heights, where the file gives none [m]; else 0 */
+    double lateral_unit; /**< of x and y columns [m]; else 0 */
+} haft_map_options;
+
+/** Reads a height map, whose kind is told by its contents:
+ *
+ *  - Bruker (Veeco, Digital Instruments) Nanoscope, binary, 16 and 32 bit: heights are
+ *    raw / 2^bits * hard scale * sensitivity (new headers, `@2:Z scale: V [Sens. Zsens] (...) 24.6
+ * V`) or raw / 2^16 * `Z scale` (old ones), or raw * `Z magnify image` / 655.36 nm (no version);
+ *  - Gwyddion Simple Field (.gsf);
+ *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or German);
+ * a bare matrix, with size and unit from `options`; three columns x, y, z of points on a grid (in
+ * any order), taken for such where `options` gives no size;
+ *  - HDF5: a two-dimensional dataset named by options->channel, or the only one there is; the unit
+ * of heights from its text attribute `unit`, the size from its attribute `size` (width, height in
+ * m), either from `options` if it has none.
+ *
+ *  Not-a-number is a missing pixel. Row 0 is the top of the image.
+ *  @param[in] options may be NULL
+ *  @param[out] digest of the file's bytes; may be NULL
+ *  @return HAFT_ERROR_IO if the file cannot be read; HAFT_ERROR_INPUT if it is foreign, damaged,
+ * cut short, or does not say its units or size and neither does `options`: the message names what
+ * would do. Calls HDF5: one thread at a time. */
+haft_status haft_map_read(haft_map **out, const char *path, const haft_map_options *options,
+                          char digest[HAFT_DIGEST_CAPACITY], haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes a map as Gwyddion Simple Field (32-bit floating point), whole or not at all. */
+haft_status haft_map_write(const haft_map *map, const char *path,
+                           haft_error *error) HAFT_MUST_CHECK;
 
 /** One row of results.h5's /summary. */
 typedef struct haft_summary {

@@ -50,6 +50,24 @@ haft_psd_moments haft_psd_get_moments(const haft_psd *psd);
 /** Source: McCool (1987). Thread-safe. */
 haft_gw haft_gw_from_moments(haft_psd_moments moments);
 
+/** A radial PSD by points: s goes as a power between neighbours, is s[0] below zeta[0] and nothing
+ *  beyond the last. */
+typedef struct haft_psd_table {
+    size_t n;      /**< at least 2 */
+    double *zeta;  /**< increasing [rad/m] */
+    double *s;     /**< positive [m^4] */
+    double *count; /**< independent numbers behind s, an error of s/sqrt(count); NULL: exact */
+} haft_psd_table;
+
+haft_status haft_psd_table_create(haft_psd_table **out, size_t n,
+                                  haft_error *error) HAFT_MUST_CHECK;
+void haft_psd_table_destroy(haft_psd_table **table);
+
+/** Finite, increasing, positive, at least two points. */
+haft_status haft_psd_table_check(const haft_psd_table *table, haft_error *error) HAFT_MUST_CHECK;
+double haft_psd_table_value(const haft_psd_table *table, double zeta);
+haft_psd_moments haft_psd_table_get_moments(const haft_psd_table *table);
+
 /** A plan to generate surfaces: read-only once made, shared by any number of threads.
  *
  *  Method. White noise on a lattice of step p * grid_step (p the largest integer that keeps
