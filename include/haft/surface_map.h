@@ -111,10 +111,11 @@ haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window
                               haft_error *error) HAFT_MUST_CHECK;
 
 /** Radial PSD of n maps of one surface, cleaned. Rings are as wide as the coarsest mode and from
- *  where that is finer, a twentieth of a decade; a ring's s is the mean of all modes inside, of all
- *  maps up to each one's own shorter Nyquist wave number. Its count is half the modes (they are
- * real fields' conjugate pairs) over N sum w^4 / (sum w^2)^2, by which the window makes neighbours
- *  depend on each other.
+ *  where that is finer, a fortieth of a decade (by which a fifth power is off by 0.5 %); a ring's s
+ * is the mean of all modes inside, of all maps up to each one's own shorter Nyquist wave number,
+ * less what a ring's width adds to it by the PSD's bend. Its count is half the modes (they are real
+ * fields' conjugate pairs) over N sum w^4 / (sum w^2)^2, by which the window makes neighbours
+ * depend on each other.
  *  @param[in] window applied to each map
  *  @return HAFT_ERROR_INPUT for no maps or a map without variance. Not thread-safe (FFTW). */
 haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *const *maps,

@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const double TUKEY_FLANK = 0.125;
-static const double RING_RATIO = 1.1220184543019633; /* 10^(1/20) */
+static const double RING_RATIO = 1.0592537251772889; /* 10^(1/40) */
 
 /* The window over one side, at pixel i's centre. */
 static double window_value(haft_window window, size_t i, size_t n) {
@@ -129,8 +129,8 @@ haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window
 
 typedef struct rings {
     size_t n;
-    double *edge;                      /* n + 1 */
-    double *weight, *zeta, *s, *modes; /* sums over modes */
+    double *edge;              /* n + 1 */
+    double *weight, *zeta, *s; /* sums over modes, of 1, zeta and s */
 } rings;
 
 static void destroy_rings(rings *r) {
@@ -141,16 +141,15 @@ static void destroy_rings(rings *r) {
 static haft_status create_rings(rings *r, double width, double most, haft_error *error) {
     double constant = width / (RING_RATIO - 1); /* from here on rings widen */
     size_t room =
-        (size_t)(fmin(most, constant) / width) + (size_t)(20 * log10(fmax(1, most / width))) + 8;
-    double *data = haft_memory_alloc(room + 1, 5 * sizeof *data, error);
+        (size_t)(fmin(most, constant) / width) + (size_t)(40 * log10(fmax(1, most / width))) + 8;
+    double *data = haft_memory_alloc(room + 1, 4 * sizeof *data, error);
     if (data == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     *r = (rings){.edge = data,
                  .weight = data + (room + 1),
                  .zeta = data + 2 * (room + 1),
-                 .s = data + 3 * (room + 1),
-                 .modes = data + 4 * (room + 1)};
+                 .s = data + 3 * (room + 1)};
     r->edge[0] = 0.5 * width;
     while (r->edge[r->n] < most && r->n < room) {
         double here = r->edge[r->n];
@@ -171,7 +170,6 @@ static void enter_mode(rings *r, double zeta, double s, double independent) {
     r->weight[low] += independent;
     r->zeta[low] += independent * zeta;
     r->s[low] += independent * s;
-    r->modes[low]++;
 }
 
 static haft_status enter_map(rings *r, const haft_map *map, haft_window window, haft_error *error) {
@@ -202,7 +200,7 @@ static haft_status enter_map(rings *r, const haft_map *map, haft_window window, 
 static haft_status rings_to_table(haft_psd_table **out, const rings *r, haft_error *error) {
     size_t n = 0;
     for (size_t k = 0; k < r->n; k++) {
-        n += r->modes[k] > 0 && r->s[k] > 0;
+        n += r->s[k] > 0;
     }
     if (n < 2) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
@@ -211,7 +209,7 @@ static haft_status rings_to_table(haft_psd_table **out, const rings *r, haft_err
     haft_status status = haft_psd_table_create(out, n, error);
     size_t at = 0;
     for (size_t k = 0; status == HAFT_OK && k < r->n; k++) {
-        if (r->modes[k] > 0 && r->s[k] > 0) {
+        if (r->s[k] > 0) {
             (*out)->zeta[at] = r->zeta[k] / r->weight[k];
             (*out)->s[at] = r->s[k] / r->weight[k];
             (*out)->count[at] = fmax(r->weight[k], 0.5);
