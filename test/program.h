@@ -31,7 +31,7 @@ static const edit small_edits[] = {
     {"width: 30 um", "width: 3 um"},
     {"thickness: 2.62 um", "thickness: 1 um"},
     {"gap: 1.9 um", "gap: 400 nm"},
-    {"element_length: 15 um", "element_length: 3 um"},
+    {"  mesh: active ", "  element_length: 3 um\n  mesh: uniform "},
     {"position: 60 um", "position: 12 um"},
     {"crack_length: 120 um", "crack_length: 30 um"},
     {"realizations: 20", "realizations: 2"},

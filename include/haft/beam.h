@@ -126,8 +126,15 @@ typedef struct haft_energy {
     double rounding; /**< what rounding of u alone may make of their sum */
 } haft_energy;
 
-/** Displacement of a site or of the load point of a model, which has set its `terms` [m]. */
-double haft_model_displacement(const haft_site *site, const double *u);
+/** Displacement of a site or of the load point of a model, which has set its `terms` [m]. Inline:
+ *  the solver asks for little else as often. */
+static inline double haft_model_displacement(const haft_site *site, const double *u) {
+    double w = 0;
+    for (int k = 0; k < site->terms; k++) {
+        w += site->shape[k] * u[site->dof[k]];
+    }
+    return w;
+}
 
 /** Gaps d[sites] of a state [m]. Thread-safe. */
 void haft_model_gaps(const haft_model *model, const double *u, double *d);

@@ -9,14 +9,6 @@
 /* Sites whose laws are evaluated together. */
 enum { BLOCK = 64 };
 
-double haft_model_displacement(const haft_site *site, const double *u) {
-    double w = 0;
-    for (int k = 0; k < site->terms; k++) {
-        w += site->shape[k] * u[site->dof[k]];
-    }
-    return w;
-}
-
 void haft_model_gaps(const haft_model *model, const double *u, double *d) {
     for (size_t r = 0; r < model->sites; r++) {
         d[r] = model->gap - haft_model_displacement(&model->site[r], u);

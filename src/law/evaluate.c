@@ -18,6 +18,12 @@ static inline double power(const haft_law *law, double d) {
     return x > 700 ? 700 : x;
 }
 
+/* Whether a Morse law is nothing at d. */
+static inline bool is_nil(const haft_law *law, double d) {
+    return law->kind == HAFT_LAW_MORSE && d > law->wall_distance &&
+           law->a_right * (d - law->d_max) > NIL;
+}
+
 /* A Morse law given E = exp of its power. With x = E - 1 the left wing's force is f_max (x^2 - 1)
  * and its potential above that of the bottom f_max x (x - 2) / (2 a). */
 static inline haft_law_value morse(const haft_law *law, double d, double E) {
@@ -31,7 +37,7 @@ static inline haft_law_value morse(const haft_law *law, double d, double E) {
     double y = d - law->d_max;
     bool right = y >= 0;
     double a = right ? law->a_right : law->a_left;
-    if (a * y > NIL) {
+    if (is_nil(law, d)) {
         return (haft_law_value){0};
     }
     double F = law->f_max;
@@ -52,12 +58,21 @@ haft_law_value haft_law_evaluate(const haft_law *law, double d) {
 
 void haft_law_evaluate_many(const haft_law *law, size_t n, const double *d, double *force,
                             double *slope, double *potential) {
-    enum { BLOCK = 64 };
+    enum { BLOCK = 16 };
     double E[BLOCK];
     for (size_t first = 0; first < n; first += BLOCK) {
         size_t end = n - first < BLOCK ? n : first + BLOCK;
+        bool nil = true;
         for (size_t i = first; i < end; i++) {
             E[i - first] = power(&law[i], d[i]);
+            nil = nil && is_nil(&law[i], d[i]);
+        }
+        if (nil) { /* a free span */
+            size_t bytes = (end - first) * sizeof *force;
+            memset(force + first, 0, bytes);
+            memset(slope + first, 0, bytes);
+            memset(potential + first, 0, bytes);
+            continue;
         }
         for (size_t i = end - first; i < BLOCK; i++) {
             E[i] = 0; /* so that the next loop's length is known to the compiler */

@@ -45,7 +45,7 @@ static double refine(haft_tracker *t, const double *b, double *x) {
     for (size_t k = 0; k < t->n; k++) {
         step[k] = b[k] - step[k];
     }
-    haft_factor_solve(t->factor, step, 1);
+    haft_tracker_solve(t, step);
     double change = greatest(step, t->n) / greatest(x, t->n);
     for (size_t k = 0; k < t->n && change < 1; k++) {
         x[k] += step[k];
@@ -57,7 +57,7 @@ static double refine(haft_tracker *t, const double *b, double *x) {
 static void solve_refined(haft_tracker *t, double *x) {
     double *b = t->scratch[0], last = INFINITY, rate = 0;
     memcpy(b, x, t->n * sizeof *b);
-    haft_factor_solve(t->factor, x, 1);
+    haft_tracker_solve(t, x);
     for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
         double change = refine(t, b, x);
         rate = i == 0 ? change : rate; /* the first change is what each step leaves of the error */
@@ -74,7 +74,7 @@ bool haft_branch_loses_digits(haft_tracker *t, const double *u) {
     memset(b, 0, t->n * sizeof *b);
     haft_tracker_add_row(t, &t->model->load, 1, b);
     memcpy(t->solution, b, t->n * sizeof *b);
-    haft_factor_solve(t->factor, t->solution, 1);
+    haft_tracker_solve(t, t->solution);
     return refine(t, b, t->solution) > LOST_DIGITS;
 }
 
@@ -184,7 +184,7 @@ double haft_branch_least_eigenvalue(haft_tracker *t) {
             before += x[i] * y[i];
         }
         memcpy(t->scratch[1], y, t->n * sizeof *y);
-        haft_factor_solve(t->factor, y, 1);
+        haft_tracker_solve(t, y);
         for (size_t i = 0; i < t->n; i++) {
             after += y[i] * t->scratch[1][i];
         }

@@ -31,7 +31,8 @@ struct haft_corrector {
     double kappa;
     bool evaluated; /* gradient, Hessian and energy at hand are those of the first residual */
     bool finite;
-    haft_energy energy; /* at the last residual: KINSOL ends on it */
+    haft_energy energy;  /* at the last residual: KINSOL ends on it */
+    haft_factor *factor; /* of the Hessian and the border's stiffness, KLU's */
     SUNContext context;
     N_Vector y, y_scale, f_scale;
     SUNMatrix matrix;
@@ -100,7 +101,7 @@ static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
         }
     }
     t->cost.factorizations++;
-    return haft_factor_update(t->factor, t->matrix) ? 0 : 1;
+    return haft_factor_update(c->factor, t->matrix) ? 0 : 1;
 }
 
 static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b,
@@ -111,10 +112,11 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     const double *rhs = N_VGetArrayPointer(b);
     double *out = N_VGetArrayPointer(x);
     double *y = t->pair, s = rhs[t->n];
+    t->cost.solves++;
     memcpy(y, rhs, t->n * sizeof *y);
     if (c->control.site == NULL) {
         haft_tracker_add_row(t, &t->model->load, s, y);
-        haft_factor_solve(t->factor, y, 1);
+        haft_factor_solve(c->factor, y, 1);
         memcpy(out, y, t->n * sizeof *out);
         out[t->n] = s;
         return 0;
@@ -123,7 +125,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     memset(z, 0, t->n * sizeof *z);
     haft_tracker_add_row(t, c->control.site, c->kappa * s, y);
     haft_tracker_add_row(t, &t->model->load, 1, z);
-    haft_factor_solve(t->factor, t->pair, 2);
+    haft_factor_solve(c->factor, t->pair, 2);
     double d_load =
         (s - haft_tracker_row(t, c->control.site, y)) / haft_tracker_row(t, c->control.site, z);
     if (!isfinite(d_load)) {
@@ -210,6 +212,12 @@ haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_er
         return HAFT_ERROR_MEMORY;
     }
     c->tracker = t;
+    haft_status status = haft_factor_create(&c->factor, HAFT_FACTOR_KLU, t->n, t->model->column,
+                                            t->model->row, t->model->stiffness, error);
+    if (status != HAFT_OK) {
+        haft_corrector_destroy(&c);
+        return status;
+    }
     if (!make_context(c) || !make_vectors(c) || !set_up_kinsol(c)) {
         haft_corrector_destroy(&c);
         return haft_error_set(error, HAFT_ERROR_LIBRARY, "KINSOL cannot be set up");
@@ -242,6 +250,7 @@ void haft_corrector_destroy(haft_corrector **corrector) {
     if (c->context != NULL) {
         SUNContext_Free(&c->context);
     }
+    haft_factor_destroy(&c->factor);
     haft_memory_free(c);
     *corrector = NULL;
 }

@@ -5,17 +5,18 @@
  * KLU computes P A P' = L U with U = D L': the signs of U's diagonal are the inertia. For a
  * positive definite matrix elimination without pivoting is stable (Wilkinson); elsewhere the factor
  * is used only for its signs or in a bordered system made positive definite. */
-#include "factor.h"
+#include "narrow.h"
 
 #include <klu.h>
 #include <math.h>
+#include <string.h>
 
 struct haft_factor {
+    haft_narrow *narrow; /* NULL: KLU's, which is all that follows */
     klu_common common;
     klu_symbolic *symbolic;
     klu_numeric *numeric;
     int n;
-    size_t solves;
     int *column, *row; /* own copies: KLU's interface is not const */
 };
 
@@ -26,6 +27,11 @@ static bool order_is_symmetric(const haft_factor *factor) {
         }
     }
     return true;
+}
+
+static haft_status singular(haft_error *error) {
+    return haft_error_set(error, HAFT_ERROR_NUMERIC,
+                          "the stiffness matrix is singular: is the structure held?");
 }
 
 static haft_status analyse(haft_factor *factor, const double *values, haft_error *error) {
@@ -46,33 +52,40 @@ static haft_status analyse(haft_factor *factor, const double *values, haft_error
     } entries = {values};
     factor->numeric =
         klu_factor(factor->column, factor->row, entries.out, factor->symbolic, &factor->common);
-    if (factor->numeric == NULL || !order_is_symmetric(factor)) {
-        return haft_error_set(error, HAFT_ERROR_NUMERIC,
-                              "the stiffness matrix is singular: is the structure held?");
-    }
-    return HAFT_OK;
+    return factor->numeric == NULL || !order_is_symmetric(factor) ? singular(error) : HAFT_OK;
 }
 
-haft_status haft_factor_create(haft_factor **out, size_t n, const int *column, const int *row,
-                               const double *values, haft_error *error) {
+/* KLU's part of a factor. */
+static haft_status create_sparse(haft_factor *factor, const int *column, const int *row,
+                                 const double *values, haft_error *error) {
+    size_t n = (size_t)factor->n, nonzeros = (size_t)column[n];
+    factor->column = haft_memory_alloc(n + 1, sizeof(int), error);
+    factor->row = haft_memory_alloc(nonzeros, sizeof(int), error);
+    if (factor->column == NULL || factor->row == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    memcpy(factor->column, column, (n + 1) * sizeof(int));
+    memcpy(factor->row, row, nonzeros * sizeof(int));
+    return analyse(factor, values, error);
+}
+
+haft_status haft_factor_create(haft_factor **out, haft_factor_kind kind, size_t n,
+                               const int *column, const int *row, const double *values,
+                               haft_error *error) {
     *out = NULL;
     haft_factor *factor = haft_memory_alloc(1, sizeof *factor, error);
     if (factor == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    size_t nonzeros = (size_t)column[n];
     factor->n = (int)n;
-    factor->column = haft_memory_alloc(n + 1, sizeof(int), error);
-    factor->row = haft_memory_alloc(nonzeros, sizeof(int), error);
-    haft_status status = HAFT_ERROR_MEMORY;
-    if (factor->column != NULL && factor->row != NULL) {
-        for (size_t i = 0; i <= n; i++) {
-            factor->column[i] = column[i];
-        }
-        for (size_t i = 0; i < nonzeros; i++) {
-            factor->row[i] = row[i];
-        }
-        status = analyse(factor, values, error);
+    haft_status status = HAFT_OK;
+    if (kind == HAFT_FACTOR_NARROW) {
+        status = haft_narrow_create(&factor->narrow, n, column, row, error);
+    }
+    if (status == HAFT_OK && factor->narrow == NULL) {
+        status = create_sparse(factor, column, row, values, error);
+    } else if (status == HAFT_OK && !haft_narrow_update(factor->narrow, values)) {
+        status = singular(error);
     }
     if (status != HAFT_OK) {
         haft_factor_destroy(&factor);
@@ -86,6 +99,7 @@ void haft_factor_destroy(haft_factor **factor) {
         return;
     }
     haft_factor *f = *factor;
+    haft_narrow_destroy(&f->narrow);
     klu_free_numeric(&f->numeric, &f->common);
     klu_free_symbolic(&f->symbolic, &f->common);
     haft_memory_free(f->column);
@@ -95,6 +109,9 @@ void haft_factor_destroy(haft_factor **factor) {
 }
 
 bool haft_factor_update(haft_factor *factor, const double *values) {
+    if (factor->narrow != NULL) {
+        return haft_narrow_update(factor->narrow, values);
+    }
     union {
         const double *in;
         double *out;
@@ -105,15 +122,19 @@ bool haft_factor_update(haft_factor *factor, const double *values) {
 }
 
 void haft_factor_solve(haft_factor *factor, double *b, int columns) {
-    factor->solves++;
-    klu_solve(factor->symbolic, factor->numeric, factor->n, columns, b, &factor->common);
-}
-
-size_t haft_factor_solves(const haft_factor *factor) {
-    return factor->solves;
+    if (factor->narrow == NULL) {
+        klu_solve(factor->symbolic, factor->numeric, factor->n, columns, b, &factor->common);
+        return;
+    }
+    for (int k = 0; k < columns; k++) {
+        haft_narrow_solve(factor->narrow, b + (size_t)k * (size_t)factor->n);
+    }
 }
 
 haft_inertia haft_factor_inertia(const haft_factor *factor) {
+    if (factor->narrow != NULL) {
+        return haft_narrow_inertia(factor->narrow);
+    }
     const double *pivot = factor->numeric->Udiag;
     haft_inertia inertia = {0, 0};
     double least = INFINITY, largest = 0;

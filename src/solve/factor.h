@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sparse symmetric factorization by KLU with a fixed symmetric pivot order, private to the room. */
+/* Symmetric factorization with a fixed pivot order, private to the room: by KLU, or, where the
+ * matrix is as narrow as a beam's, by a solver of its own in a quarter of the time (narrow.h). */
 #ifndef HAFT_SOLVE_FACTOR_H
 #define HAFT_SOLVE_FACTOR_H
 
@@ -7,20 +8,22 @@
 
 typedef struct haft_factor haft_factor;
 
-/* Analyses the pattern once (AMD, no block form) and fixes the pivot order, the diagonal, on
- * `values`, which must be positive definite. */
-haft_status haft_factor_create(haft_factor **out, size_t n, const int *column, const int *row,
-                               const double *values, haft_error *error);
+/* Which solver: KLU, or that for narrow matrices where the pattern is one, else KLU. */
+typedef enum haft_factor_kind { HAFT_FACTOR_KLU, HAFT_FACTOR_NARROW } haft_factor_kind;
+
+/* Analyses the pattern once and fixes the pivot order on `values`, which must be positive definite;
+ * KLU's is AMD on the diagonal, no block form. */
+haft_status haft_factor_create(haft_factor **out, haft_factor_kind kind, size_t n,
+                               const int *column, const int *row, const double *values,
+                               haft_error *error);
 void haft_factor_destroy(haft_factor **factor);
 
 /* Refactors with the order kept. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);
 
-/* Solves in place for `columns` right-hand sides of length n, one after the other. */
+/* Solves in place for `columns` right-hand sides of length n, one after the other; up to four
+ * together cost KLU little more than one. */
 void haft_factor_solve(haft_factor *factor, double *b, int columns);
-
-/* How often that was done; up to four columns together cost little more than one. */
-size_t haft_factor_solves(const haft_factor *factor);
 
 /* Signs of the pivots of the symmetric L D L': by Sylvester's law, those of the eigenvalues. */
 typedef struct haft_inertia {

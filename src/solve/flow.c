@@ -86,7 +86,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
             combine(t, COUPLING[i], i, sum);
             haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
         }
-        haft_factor_solve(t->factor, t->stage[i], 1);
+        haft_tracker_solve(t, t->stage[i]);
     }
     combine(t, RESULT, STAGES, sum);
     for (size_t k = 0; k < t->n; k++) {
@@ -107,7 +107,7 @@ static bool is_arriving(haft_tracker *t, const haft_state *state) {
     for (size_t i = 0; i < t->n; i++) {
         step[i] = -t->gradient[i];
     }
-    haft_factor_solve(t->factor, step, 1);
+    haft_tracker_solve(t, step);
     return haft_tracker_move(t, state->u, step, NULL) < ARRIVAL;
 }
 

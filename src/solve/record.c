@@ -96,7 +96,7 @@ static double end_influence(haft_tracker *t, double crack) {
     }
     memset(w, 0, t->n * sizeof *w);
     w[end] = 1;
-    haft_factor_solve(t->factor, w, 1);
+    haft_tracker_solve(t, w);
     double deflection, rotation;
     haft_model_shape(m, w, crack, &deflection, &rotation);
     return fabs(deflection / (m->scale[end] * w[end]));
@@ -111,7 +111,6 @@ haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledg
     memcpy(path->final_state, t->here.u, t->n * sizeof(double));
     path->ledger_error = ledger->turnover > 0 ? ledger->worst / ledger->turnover : 0;
     path->cost = t->cost;
-    path->cost.solves = haft_factor_solves(t->factor);
     bool stuck = path->outcome == HAFT_OUTCOME_STUCK && t->model->nodes > 1 && path->points > 0;
     bool solved =
         stuck || path->outcome == HAFT_OUTCOME_FREE || path->outcome == HAFT_OUTCOME_STUCK;

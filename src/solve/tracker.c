@@ -28,6 +28,11 @@ bool haft_tracker_gradient(haft_tracker *t, const double *u, double load) {
     return isfinite(sum);
 }
 
+void haft_tracker_solve(haft_tracker *t, double *b) {
+    t->cost.solves++;
+    haft_factor_solve(t->factor, b, 1);
+}
+
 double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v) {
     return haft_model_displacement(site, v) / t->model->gap;
 }
@@ -167,8 +172,8 @@ static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t i = 0; i < t->n; i++) {
         t->mode[i] = 1 / (double)(i + 1);
     }
-    haft_status status = haft_factor_create(&t->factor, t->n, t->model->column, t->model->row,
-                                            t->model->stiffness, error);
+    haft_status status = haft_factor_create(&t->factor, HAFT_FACTOR_NARROW, t->n, t->model->column,
+                                            t->model->row, t->model->stiffness, error);
     if (status != HAFT_OK) {
         return status;
     }

@@ -80,6 +80,9 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 /* The gradient alone; the Hessian at hand stays. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load);
 
+/* Solves in place with the factor at hand. */
+void haft_tracker_solve(haft_tracker *t, double *b);
+
 /* y += factor * M x */
 void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y);
 

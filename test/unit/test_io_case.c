@@ -53,9 +53,9 @@ static void model_case_is_read_in_si_units(void **state) {
     check_relative(c->beam.thickness, 2.62e-6, 1e-14);
     check_relative(c->beam.gap, 1.9e-6, 1e-14);
     check_relative(c->beam.young_modulus, 163e9, 1e-14);
-    assert_int_equal(c->mesh.kind, HAFT_MESH_UNIFORM);
+    assert_int_equal(c->mesh.kind, HAFT_MESH_ACTIVE);
     check_relative(c->mesh.l_meso, 3e-6, 1e-14);
-    check_relative(c->mesh.element_length, 15e-6, 1e-14);
+    check_relative(c->mesh.active_from, 60e-6, 1e-14);
     check_relative(c->mesh.load_position, 60e-6, 1e-14);
     check_relative(c->programme.crack_length, 120e-6, 1e-14);
     check_relative(c->programme.crack_threshold, 0.01, 1e-14);
@@ -114,10 +114,10 @@ static void resolved_case_reads_back_to_the_same_bits(void **state) {
                           "chi: \" # "},
         {"title:", "# title:"},
         {"contact_angles: [0 deg, 0 deg]", "contact_angles: [1 rad, 33.3 degree]"},
-        {"  element_length: 15 um",
-         "  element_length: 15 um\npath: {gap_step: 0.1, step_limit: 9}"},
+        {"load:\n", "path: {gap_step: 0.1, step_limit: 9}\nload:\n"},
         {"crack_length: 120 um", "limit: 3 mN\n  crack_length: 120 um"},
-        {"mesh: uniform", "mesh: exact"},
+        {"mesh: active", "mesh: exact"},
+        {"mesh: active", "mesh: uniform\n  element_length: 15 um"},
         {"temperature: 300 K", "temperature: 20 degC"},
         {"seed: 85", "seed: 18446744073709551615"},
         {"reference:", "reference: {} #"},
@@ -142,8 +142,7 @@ static void dry_and_exact_cases_need_less(void **state) {
     char *model = read_whole_file(MODEL, NULL);
     char *start = strstr(model, "  capillary:"), *end = strstr(model, "  distance:");
     memmove(start, end, strlen(end) + 1);
-    char *exact = replaced(model, "mesh: uniform", "mesh: exact");
-    char *text = replaced(exact, "  element_length: 15 um\n", "");
+    char *text = replaced(model, "mesh: active", "mesh: exact");
     haft_case *c = read_text(&s, text);
     assert_false(c->contact.has_capillary);
     assert_int_equal(c->mesh.kind, HAFT_MESH_EXACT);
@@ -151,7 +150,6 @@ static void dry_and_exact_cases_need_less(void **state) {
     check_round_trip(&s, c);
     haft_case_destroy(&c);
     free(text);
-    free(exact);
     free(model);
     scratch_remove(&s);
 }

@@ -35,13 +35,13 @@ static void a_variant_is_the_case_with_its_values(void **state) {
     for (size_t i = 0; i < 3; i++) {
         haft_error error = {0};
         haft_case *swept = NULL, *plain = NULL;
-        char *text = edit("  l_meso: 3 um\n  mesh: uniform  ", "  # ",
+        char *text = edit("  l_meso: 3 um\n  mesh: active  ", "  # ",
                           "sweep:\n  beam.l_meso: [6 um, 3 um, 2 um]\n"
                           "  beam.mesh: [exact, exact, active]\n");
         check_ok(read_edited(&s, text, i, &swept, &error), error);
         char keys[100];
         snprintf(keys, sizeof keys, "  l_meso: %s\n  mesh: %s\n  # ", l_meso[i], mesh[i]);
-        text = edit("  l_meso: 3 um\n  mesh: uniform  ", keys, "");
+        text = edit("  l_meso: 3 um\n  mesh: active  ", keys, "");
         check_ok(read_edited(&s, text, 0, &plain, &error), error);
         assert_int_equal(swept->sweep.variants, 3);
         assert_int_equal(swept->sweep.variant, i);
@@ -102,23 +102,23 @@ static void mistakes_are_told_at_their_place(void **state) {
         const char *sweep, *says[3];
         size_t variant;
     } mistakes[] = {
-        {"sweep: {beam.l_mesoo: [3 um]}\n", {"60:9: sweep: ", "did you mean beam.l_meso?"}, 0},
+        {"sweep: {beam.l_mesoo: [3 um]}\n", {"59:9: sweep: ", "did you mean beam.l_meso?"}, 0},
         {"sweep: {length: [3 um]}\n", {"sweep: ", "did you mean beam.length?"}, 0},
         {"sweep: {colour: [red]}\n", {"the whole path", "beam.l_meso: [3 um, 6 um]"}, 0},
         {"sweep: {name: [a, b]}\n", {"cannot vary \"name\""}, 0},
         {"sweep: {beam.l_meso: [3 um]}\n", {"beam.l_meso: is given twice, first at line 38"}, 0},
-        {"sweep: {beam.element_length: 3 um}\n", {"is given twice"}, 0},
+        {"sweep: {beam.width: 3 um}\n", {"is given twice"}, 0},
         {"sweep: {load.limit: 3 N}\n", {"load.limit: is no list", "load.limit: [...]"}, 0},
         {"sweep: {load.limit: []}\n", {"has 0 values; give 1 to 1000"}, 0},
         {"sweep: {load.limit: [[1 N]]}\n", {"holds more than a value"}, 0},
-        {"sweep: {load.limit: [1 N, 2 m]}\n", {"60:27: load.limit: ", "wrong dimension"}, 1},
+        {"sweep: {load.limit: [1 N, 2 m]}\n", {"59:27: load.limit: ", "wrong dimension"}, 1},
         {"sweep: {load.limit: [1 N, 2 N], path.gap_step: [0.1]}\n",
          {"path.gap_step: has 1 values where load.limit has 2"},
          0},
         {"sweep:\n", {"sweep: varies nothing"}, 0},
         {"sweep: {}\n", {"sweep: varies nothing"}, 0},
         {"sweep: {load.limit: [1 N]}\nsweep: {path.gap_step: [0.1]}\n",
-         {"sweep: is given twice, first at line 60"},
+         {"sweep: is given twice, first at line 59"},
          0},
         {"sweep: {load.limit: [1 N]}\n", {"there is no variant 1 of 1"}, 1},
     };

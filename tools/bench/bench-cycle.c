@@ -135,6 +135,26 @@ static klu_time time_klu(const haft_model *m, int rounds, haft_error *error) {
     return (klu_time){median(refactor, rounds), median(solve, rounds)};
 }
 
+/* Seconds of one bare evaluation of all the laws that take part, at the gaps a path ended with. */
+static double time_laws(const haft_model *m, const haft_law *laws, const haft_path *path,
+                        int rounds, haft_error *error) {
+    enum { RUNS = 200 };
+    double *d = haft_memory_alloc(4 * m->sites, sizeof *d, error), round[ROUND_LIMIT];
+    must(d == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    haft_model_gaps(m, path->final_state, d);
+    double *force = d + m->sites, *slope = force + m->sites, *potential = slope + m->sites;
+    for (int r = 0; r < rounds; r++) {
+        double start = now();
+        for (int k = 0; k < RUNS; k++) {
+            haft_law_evaluate_many(laws + m->inert, m->sites - m->inert, d + m->inert, force, slope,
+                                   potential);
+        }
+        round[r] = (now() - start) / RUNS;
+    }
+    haft_memory_free(d);
+    return median(round, rounds);
+}
+
 static haft_path *follow(const bench *b, const haft_model *model, const haft_path_options *options,
                          int beam, double *seconds) {
     haft_error error = {0};
@@ -180,7 +200,7 @@ static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
     haft_error error = {0};
     haft_model *model = make_model(b, kind);
     static const char *const name[] = {"uniform", "exact", "active"};
-    double time[BEAM_LIMIT], ratio[BEAM_LIMIT], all[BEAM_LIMIT], floor = 0;
+    double time[BEAM_LIMIT], ratio[BEAM_LIMIT], all[BEAM_LIMIT], lawful[BEAM_LIMIT], floor = 0;
     mean_cost cost = {0};
     for (int k = 0; k < b->beams; k++) {
         double round[ROUND_LIMIT];
@@ -195,16 +215,20 @@ static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
         ratio[k] = time[k] / (bare * (double)path->cost.factorizations);
         all[k] = time[k] / (klu.refactor * (double)path->cost.factorizations +
                             klu.solve * (double)path->cost.solves);
+        double laws = time_laws(model, b->beam[k]->law, path, b->rounds, &error);
+        lawful[k] = time[k] / ((bare + laws) * (double)path->cost.factorizations);
         floor += bare / b->beams;
         add_cost(&cost, path, b->beams);
         haft_path_destroy(&path);
     }
     double middle = median(time, b->beams);
-    printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.1f %7.1f %7.0f %8.0f %8.0f %8.0f %8.0f %6.0f "
+    printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.1f %7.1f %7.1f %7.0f %8.0f %8.0f %8.0f %8.0f "
+           "%6.0f "
            "%6.1f\n",
            name[kind], model->dofs, model->nonzeros, middle, time[0], time[b->beams - 1],
-           1e6 * floor, median(ratio, b->beams), median(all, b->beams), cost.steps, cost.rejected,
-           cost.newton, cost.factorizations, cost.solves, cost.flow, cost.jumps);
+           1e6 * floor, median(ratio, b->beams), median(lawful, b->beams), median(all, b->beams),
+           cost.steps, cost.rejected, cost.newton, cost.factorizations, cost.solves, cost.flow,
+           cost.jumps);
     haft_model_destroy(&model);
 }
 
@@ -358,15 +382,16 @@ int main(int count, char **arguments) {
     must(haft_case_read(&b.c, path, &error), &error);
     get_laws(&b, directory, random);
     printf("\nA load-unload cycle, one thread, each beam the median of %d. Floor: a bare KLU "
-           "refactorization and one\nsolve for each factorization made; all of KLU: as many "
-           "refactorizations and solves as the cycle made\n",
+           "refactorization and one\nsolve for each factorization made; and laws: with one bare "
+           "evaluation of all laws for each; all of KLU:\nas many refactorizations and solves as "
+           "the cycle made, by KLU\n",
            b.rounds);
-    printf("%-8s %5s %9s %9s %9s %9s %9s %7s %7s %7s %8s %8s %8s %8s %6s %6s\n", "", "", "",
-           "median", "least", "greatest", "floor", "to the", "to all", "steps", "rejected",
+    printf("%-8s %5s %9s %9s %9s %9s %9s %7s %7s %7s %7s %8s %8s %8s %8s %6s %6s\n", "", "", "",
+           "median", "least", "greatest", "floor", "to the", "and", "to all", "steps", "rejected",
            "Newton", "factor-", "solves", "flow", "jumps");
-    printf("%-8s %5s %9s %9s %9s %9s %9s %7s %7s %7s %8s %8s %8s %8s %6s %6s\n", "mesh", "dofs",
-           "nonzeros", "[s]", "[s]", "[s]", "[us]", "floor", "of KLU", "", "", "iter.", "izations",
-           "", "steps", "");
+    printf("%-8s %5s %9s %9s %9s %9s %9s %7s %7s %7s %7s %8s %8s %8s %8s %6s %6s\n", "mesh", "dofs",
+           "nonzeros", "[s]", "[s]", "[s]", "[us]", "floor", "laws", "of KLU", "", "", "iter.",
+           "izations", "", "steps", "");
     compare_with_floor(&b, HAFT_MESH_UNIFORM);
     compare_with_floor(&b, HAFT_MESH_EXACT);
     compare_with_floor(&b, HAFT_MESH_ACTIVE);
