@@ -95,7 +95,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 /* ---- check ---- */
 
 static void print_derived(const haft_case *c) {
-    haft_psd_moments m = haft_psd_get_moments(&c->surface.psd);
+    haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
     printf("%s: %s\n", c->name, c->title);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",

@@ -61,6 +61,38 @@ typedef enum haft_component_order {
 /** What is done with a curve that no Morse law fits. */
 typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
 
+/** Where a case's surfaces come from. */
+typedef enum haft_surface_source {
+    HAFT_SOURCE_GENERATED, /**< drawn anew, of the PSD and marginal */
+    HAFT_SOURCE_MAPS,      /**< windows of the maps themselves, side by side */
+} haft_surface_source;
+
+/** How the PSD estimated from maps is used. */
+typedef enum haft_psd_use { HAFT_PSD_TABLE, HAFT_PSD_FIT } haft_psd_use;
+
+/** The distribution of heights of a generated surface. */
+typedef enum haft_marginal_kind {
+    HAFT_MARGINAL_GAUSSIAN,
+    HAFT_MARGINAL_JOHNSON, /**< of the case's skewness and kurtosis, or the maps' where it gives
+                              none */
+    HAFT_MARGINAL_HEIGHTS, /**< the maps' own */
+} haft_marginal_kind;
+
+enum { HAFT_FILES_MAX = 16, HAFT_PATH_CAPACITY = 1024 };
+
+/** Files that a case names, found from its folder; the resolved case has them in full. */
+typedef struct haft_case_files {
+    size_t count;
+    char path[HAFT_FILES_MAX][HAFT_PATH_CAPACITY];
+    char digest[HAFT_FILES_MAX][HAFT_DIGEST_CAPACITY]; /**< of their contents */
+} haft_case_files;
+
+/** Maps read and cleaned as a case says. */
+typedef struct haft_map_set {
+    size_t count;
+    haft_map *map[HAFT_FILES_MAX];
+} haft_map_set;
+
 /** A resolved case: defaults filled in, everything in SI. */
 typedef struct haft_case {
     char name[HAFT_NAME_CAPACITY];
@@ -68,9 +100,29 @@ typedef struct haft_case {
     uint64_t seed;
 
     struct {
-        haft_psd psd;
+        haft_psd psd;            /**< of a table, its corners */
         double grid_step;        /**< [m] */
         double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-5 */
+
+        haft_case_files maps, opposite_maps; /**< of either face; none: psd is the case's own */
+        haft_case_files psd_file;            /**< a PSD by points */
+        char channel[HAFT_TEXT_CAPACITY];
+        double map_size[2];                /**< of bare matrices [m]; 0 if not given */
+        double map_unit, map_lateral_unit; /**< [m]; 0 if not given */
+        haft_level level;
+        double outliers; /**< deviations beyond which pixels are masked; 0: none are */
+        haft_missing missing;
+        haft_window window;
+        double tip_radius; /**< [m]; 0 if not given */
+        haft_psd_use use;
+        double coherence; /**< of the faces */
+        haft_surface_source source;
+        haft_marginal_kind marginal;
+        double skewness, kurtosis; /**< NAN if not given */
+
+        haft_psd_table *table;       /**< the PSD by points, NULL if psd is all there is; owned */
+        haft_marginal *distribution; /**< NULL: Gaussian; owned */
+        haft_map_set map, opposite;  /**< where maps are given; owned */
     } surface;
 
     struct {
@@ -162,6 +214,9 @@ void haft_case_destroy(haft_case **c);
 haft_status haft_case_read_variant(haft_case **out, const char *path, size_t variant,
                                    haft_error *error) HAFT_MUST_CHECK;
 
+/** Moments of the case's PSD, whether by points or self-affine. */
+haft_psd_moments haft_case_moments(const haft_case *c);
+
 /** Shall this realization leave evidence? */
 bool haft_case_wants_evidence(const haft_case *c, size_t realization);
 
@@ -176,9 +231,10 @@ haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) H
 haft_status haft_case_write(const haft_case *c, const char *path,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Digest of all that the laws depend on (surface, contact, f_limit, the beam's width, l_meso,
- * seed, the program's version; of a direct sampler the sampler, the beam's length and realizations;
- * of a stochastic one law.chaos, whichever it is): what must not change for laws.h5 to stay valid.
+/** Digest of all that the laws depend on (surface with the contents of the files it names, contact,
+ * f_limit, the beam's width, l_meso, seed, the program's version; of a direct sampler the sampler,
+ * the beam's length and realizations; of a stochastic one law.chaos, whichever it is): what must
+ * not change for laws.h5 to stay valid.
  */
 haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
                                   haft_error *error) HAFT_MUST_CHECK;

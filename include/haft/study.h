@@ -29,6 +29,11 @@ haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c,
 haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c, size_t patches,
                                     haft_error *error) HAFT_MUST_CHECK;
 
+/** The windows of maps that a case's patches are laid out of; NULL where its surfaces are
+ * generated. */
+haft_status haft_study_tiling(haft_tiling **out, const haft_case *c,
+                              haft_error *error) HAFT_MUST_CHECK;
+
 /** How many patches a block of the seamless surface holds: a matter of memory, the same for any
  *  number of threads. 1 for independent patches. */
 size_t haft_study_block_patches(const haft_case *c);

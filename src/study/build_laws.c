@@ -63,6 +63,8 @@ haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c,
     bool whole = c->law.sampler == HAFT_SAMPLER_EXPLICIT;
     haft_surface_spec spec = {
         .psd = c->surface.psd,
+        .table = c->surface.table,
+        .marginal = c->surface.distribution,
         .grid_step = c->surface.grid_step,
         .rows = patches * rows_of(c),
         .columns = columns_of(c),
@@ -72,11 +74,33 @@ haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c,
     return haft_surface_plan_create(out, &spec, error);
 }
 
+haft_status haft_study_tiling(haft_tiling **out, const haft_case *c, haft_error *error) {
+    *out = NULL;
+    if (c->surface.source != HAFT_SOURCE_MAPS) {
+        return HAFT_OK;
+    }
+    const haft_map *maps[HAFT_FILES_MAX], *opposite[HAFT_FILES_MAX];
+    for (size_t k = 0; k < HAFT_FILES_MAX; k++) {
+        maps[k] = c->surface.map.map[k];
+        opposite[k] = c->surface.opposite.map[k];
+    }
+    haft_tiling_spec spec = {.n = c->surface.map.count,
+                             .maps = maps,
+                             .opposite_n = c->surface.opposite.count,
+                             .opposite = opposite,
+                             .grid_step = c->surface.grid_step,
+                             .rows = rows_of(c),
+                             .columns = columns_of(c),
+                             .seed = c->seed};
+    return haft_tiling_create(out, &spec, error);
+}
+
 /* What the whole build shares, read only but for the rows of `laws`. */
 typedef struct build {
     const haft_case *c;
     haft_contact_spec contact;
     haft_surface_plan *plan;
+    haft_tiling *tiling; /* instead of the plan */
     haft_laws *laws;
     size_t block_patches, blocks; /* blocks a realization */
     const haft_progress *progress;
@@ -101,7 +125,10 @@ static void destroy_worker(worker *w) {
 
 static haft_status create_worker(worker *w, const build *b, haft_error *error) {
     size_t rows = rows_of(b->c), columns = columns_of(b->c), n = b->laws->n;
-    haft_status status = haft_surface_work_create(&w->surface, b->plan, error);
+    haft_status status = HAFT_OK;
+    if (b->plan != NULL) {
+        status = haft_surface_work_create(&w->surface, b->plan, error);
+    }
     if (status == HAFT_OK) {
         status = haft_contact_work_create(&w->contact, rows, columns, error);
     }
@@ -153,6 +180,10 @@ static haft_status do_block(const build *b, worker *w, size_t task, haft_error *
     size_t realization = task / b->blocks, block = task % b->blocks;
     size_t rows = rows_of(c), first = block * b->block_patches;
     bool whole = c->law.sampler == HAFT_SAMPLER_EXPLICIT;
+    if (b->tiling != NULL) {
+        haft_tiling_fill(b->tiling, realization, block, w->z);
+        return enter_patch(b, w, realization * b->laws->sites + first, error);
+    }
     haft_status status = haft_surface_prepare(w->surface, realization, whole ? 0 : block,
                                               whole ? (long)(first * rows) : 0, error);
     for (size_t p = 0; p < b->block_patches && first + p < b->laws->sites; p++) {
@@ -253,6 +284,9 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
         for (size_t i = 0; i < n; i++) {
             b.laws->distance[i] = c->contact.distance_from + span * (double)i / (double)(n - 1);
         }
+        status = haft_study_tiling(&b.tiling, c, error);
+    }
+    if (status == HAFT_OK && b.tiling == NULL) {
         status = haft_study_surface_plan(&b.plan, c, b.block_patches, error);
     }
     if (status == HAFT_OK) {
@@ -262,6 +296,7 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
         status = haft_study_build_chaos(b.laws, c, error);
     }
     haft_surface_plan_destroy(&b.plan);
+    haft_tiling_destroy(&b.tiling);
     if (status != HAFT_OK) {
         haft_laws_destroy(&b.laws);
     }
