@@ -157,6 +157,36 @@ typedef struct haft_psd_fit {
 haft_status haft_psd_fit_self_affine(haft_psd_fit *out, const haft_psd_table *table,
                                      haft_error *error) HAFT_MUST_CHECK;
 
+/** Patches laid out of windows of measured maps, side by side: the surface as it was measured, to
+ * judge a generator by. Each window is of a map, a place in it and a mirror image drawn at random
+ * (a bootstrap of the maps); windows are at most half as long as the smallest map, so that they
+ * vary. Heights jump where windows meet: what reaches over such a seam (an island, a slope) is cut
+ * there. Maps are brought to the grid by natural cubic splines along x, then y. Read-only once
+ * made. */
+typedef struct haft_tiling haft_tiling;
+
+typedef struct haft_tiling_spec {
+    size_t n; /**< maps of the face, cleaned, without missing pixels */
+    const haft_map *const *maps;
+    size_t opposite_n; /**< of the other face, 0: it is flat; the heights of both are added */
+    const haft_map *const *opposite;
+    double grid_step;     /**< [m] */
+    size_t rows, columns; /**< of a patch, grid points */
+    uint64_t seed;
+} haft_tiling_spec;
+
+/** @return HAFT_ERROR_INPUT for no maps, missing pixels, or a map of fewer than 4 grid points a
+ * side. */
+haft_status haft_tiling_create(haft_tiling **out, const haft_tiling_spec *spec,
+                               haft_error *error) HAFT_MUST_CHECK;
+void haft_tiling_destroy(haft_tiling **tiling);
+
+/** The patch numbered (realization, stream): z[rows][columns] [m]. Thread-safe. */
+void haft_tiling_fill(const haft_tiling *tiling, uint64_t realization, uint64_t stream, double *z);
+
+/** How many windows a patch has along rows and columns. */
+void haft_tiling_count(const haft_tiling *tiling, size_t count[2]);
+
 #ifdef __cplusplus
 }
 #endif
