@@ -106,7 +106,11 @@ static void print_derived(const haft_case *c) {
     if (c->contact.has_capillary &&
         haft_capillary_from_spec(&capillary, &c->contact.capillary, NULL) == HAFT_OK) {
         printf("  capillary            %.3g MPa within %.3g nm\n", capillary.pressure * 1e-6,
-               capillary.range * 1e9);
+               (capillary.range + 2 * haft_study_film(c)) * 1e9);
+        if (haft_study_film(c) > 0) {
+            printf("  adsorbed water       %.3g nm on each face, in that range\n",
+                   haft_study_film(c) * 1e9);
+        }
     }
     printf("  beam                 bending stiffness %.4g N m2, %ld patches, %zu realizations\n",
            haft_beam_bending_stiffness(&c->beam), lround(c->beam.length / c->mesh.l_meso),

@@ -70,6 +70,13 @@ typedef enum haft_surface_source {
 /** How the PSD estimated from maps is used. */
 typedef enum haft_psd_use { HAFT_PSD_TABLE, HAFT_PSD_FIT } haft_psd_use;
 
+/** The water film adsorbed on each face. */
+typedef enum haft_adsorbed {
+    HAFT_ADSORBED_NONE,
+    HAFT_ADSORBED_SILICA, /**< haft_adsorption_silica() */
+    HAFT_ADSORBED_TABLE,
+} haft_adsorbed;
+
 /** The distribution of heights of a generated surface. */
 typedef enum haft_marginal_kind {
     HAFT_MARGINAL_GAUSSIAN,
@@ -131,6 +138,10 @@ typedef struct haft_case {
         double poisson_ratio; /**< of both bodies */
         bool has_capillary;
         haft_capillary_spec capillary;
+        haft_adsorbed adsorbed; /**< films on both faces lengthen the capillary range by both */
+        haft_case_files adsorbed_file;
+        haft_adsorption film; /**< of the table; points into film_data */
+        double *film_data;    /**< owned */
         double distance_from, distance_to,
             distance_step; /**< gaps at which f(d) is evaluated [m] */
     } contact;

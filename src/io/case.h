@@ -38,6 +38,7 @@ typedef enum haft_surface_part {
     HAFT_PART_MAPS,        /* where maps are given */
     HAFT_PART_FACES,       /* where both faces' are */
     HAFT_PART_MARGINAL,    /* where heights are not Gaussian */
+    HAFT_PART_FILM,        /* where a water film is adsorbed */
 } haft_surface_part;
 
 /* One key: where it is written, what it may hold and where it goes. */
@@ -146,6 +147,15 @@ double haft_case_number(const haft_case *c, const haft_key *key);
 /* Reads the files that the surface's keys name and makes of them what the case holds: PSD,
  * marginal, maps. Complains at the keys' places. */
 void haft_case_load_surface(haft_case_reader *reader);
+
+/* The adsorbed film, from its table where the case has one. */
+void haft_case_load_film(haft_case_reader *reader);
+
+/* Reads two named columns of the one file in `files`, times factors, and its digest: points[n][2],
+ * to be freed whatever comes of it. */
+haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *files,
+                                  const char *const names[2], const double factors[2],
+                                  haft_error *error);
 
 /* Whether a key belongs to the case at all. */
 bool haft_case_has_part(const haft_case *c, const haft_key *key);

@@ -291,6 +291,7 @@ static void check_evidence(haft_case_reader *reader) {
 void haft_case_cross_check(haft_case_reader *reader) {
     double lattice = 0;
     haft_case_load_surface(reader);
+    haft_case_load_film(reader);
     check_surface(reader, &lattice);
     check_beam(reader, lattice);
     if (lattice > 0) {

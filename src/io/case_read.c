@@ -384,6 +384,7 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 void haft_case_destroy(haft_case **c) {
     if (c != NULL && *c != NULL) {
         haft_memory_free((*c)->evidence.realization);
+        haft_memory_free((*c)->contact.film_data);
         haft_psd_table_destroy(&(*c)->surface.table);
         haft_marginal_destroy(&(*c)->surface.distribution);
         for (size_t k = 0; k < HAFT_FILES_MAX; k++) {

@@ -17,6 +17,7 @@ static const char *const windows[] = {"none", "hann", "welch", "blackman", "tuke
 static const char *const uses[] = {"table", "fit", NULL};
 static const char *const sources[] = {"generated", "maps", NULL};
 static const char *const marginals[] = {"gaussian", "johnson", "heights", NULL};
+static const char *const films[] = {"none", "silica", "table", NULL};
 static const char *const asperities[] = {"summits", "islands", NULL};
 static const char *const kinds[] = {"morse", "table", NULL};
 static const char *const unfits[] = {"table", "stop", NULL};
@@ -177,6 +178,10 @@ const haft_key haft_case_keys[] = {
     REAL("contact.capillary.contact_angles", "rad", .low = 0, .low_in = true,
          .high = 1.5707963267948966, .count = 2, .fallback = "0 deg", .example = "[0 deg, 0 deg]",
          .offset = AT(contact.capillary.contact_angle_1), .laws = HAFT_LAWS_ALWAYS),
+    CHOICE("contact.capillary.adsorbed", films, .fallback = "none", .example = "silica",
+           .offset = AT(contact.adsorbed), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_FILM),
+    FILES("contact.capillary.adsorbed_table", 1, .example = "film.csv",
+          .offset = AT(contact.adsorbed_file), .where = HAFT_PART_FILM),
     REAL("contact.distance.from", "m", .low = 0, .low_in = true, .high = INFINITY,
          .example = "3 nm", .offset = AT(contact.distance_from), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.to", "m", POSITIVE, .example = "28 nm",

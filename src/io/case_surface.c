@@ -5,8 +5,6 @@
 #include "case.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Complains of a key at its own place. */
@@ -22,6 +20,8 @@ bool haft_case_has_part(const haft_case *c, const haft_key *key) {
         return maps;
     case HAFT_PART_FACES:
         return c->surface.opposite_maps.count > 0;
+    case HAFT_PART_FILM:
+        return c->contact.has_capillary && c->contact.adsorbed != HAFT_ADSORBED_NONE;
     case HAFT_PART_MARGINAL:
         return c->surface.marginal != HAFT_MARGINAL_GAUSSIAN;
     default:
@@ -36,105 +36,25 @@ haft_psd_moments haft_case_moments(const haft_case *c) {
 
 /* ---- a PSD by points ---- */
 
-static const char *const PSD_HEADER = "zeta [rad/um],s [nm^4]";
-
-/* "zeta [rad/um],s [nm^4],..." in any order, as `haft-laws inspect` writes it. */
-static bool find_columns(const char *line, size_t place[2]) {
-    static const char *const names[] = {"zeta [rad/um]", "s [nm^4]"};
-    bool found[2] = {false, false};
-    size_t column = 0;
-    for (const char *at = line; *at != '\0'; column++) {
-        size_t n = strcspn(at, ",\r\n");
-        for (int k = 0; k < 2; k++) {
-            if (n == strlen(names[k]) && strncmp(at, names[k], n) == 0) {
-                place[k] = column;
-                found[k] = true;
-            }
-        }
-        at += n;
-        at += *at == ',' ? 1 : strlen(at);
-    }
-    return found[0] && found[1];
-}
-
-static bool find_number(const char *line, size_t place, double *value) {
-    for (size_t k = 0; k < place; k++) {
-        line = strchr(line, ',');
-        if (line == NULL) {
-            return false;
-        }
-        line++;
-    }
-    char *end = NULL;
-    *value = strtod(line, &end);
-    return end != line && strchr(", \t\r\n", *end) != NULL && isfinite(*value);
-}
-
-static haft_status read_psd_lines(haft_psd_table *table, FILE *stream, const char *path,
-                                  haft_error *error) {
-    char line[1024];
-    size_t place[2] = {0, 0}, number = 1;
-    if (fgets(line, sizeof line, stream) == NULL || !find_columns(line, place)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "%s:1: the first line must name the columns, as in \"%s\"", path,
-                              PSD_HEADER);
-    }
-    size_t room = table->n;
-    table->n = 0;
-    while (fgets(line, sizeof line, stream) != NULL) {
-        number++;
-        if (line[strspn(line, " \t\r\n")] == '\0') {
-            continue;
-        }
-        double zeta, s;
-        if (!find_number(line, place[0], &zeta) || !find_number(line, place[1], &s)) {
-            return haft_error_set(error, HAFT_ERROR_INPUT,
-                                  "%s:%zu: lacks a finite number for zeta or s", path, number);
-        }
-        if (table->n == room) {
-            return haft_error_set(error, HAFT_ERROR_INPUT, "%s: has more than %zu points", path,
-                                  room);
-        }
-        table->zeta[table->n] = zeta * 1e6;
-        table->s[table->n++] = s * 1e-36;
-    }
-    haft_status status = haft_psd_table_check(table, error);
-    if (status != HAFT_OK) {
-        haft_error_prefix(error, "%s: ", path);
-    }
-    return status;
-}
-
-static haft_status digest_file(haft_case_files *files, size_t k, haft_error *error) {
-    FILE *stream = fopen(files->path[k], "rb");
-    char *bytes = haft_memory_alloc((size_t)1 << 22, 1, error);
-    haft_status status = bytes == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    if (status == HAFT_OK && stream != NULL) {
-        size_t n = fread(bytes, 1, (size_t)1 << 22, stream);
-        haft_digest_memory(bytes, n, files->digest[k]);
-        status = n < (size_t)1 << 22 ? HAFT_OK
-                                     : haft_error_set(error, HAFT_ERROR_INPUT,
-                                                      "%s: is longer than 4 MiB", files->path[k]);
-    } else if (status == HAFT_OK) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read", files->path[k]);
-    }
-    if (stream != NULL) {
-        fclose(stream);
-    }
-    haft_memory_free(bytes);
-    return status;
-}
-
 static haft_status read_psd(haft_psd_table **out, haft_case_files *files, haft_error *error) {
-    enum { POINTS_MOST = 4096 };
-    haft_status status = digest_file(files, 0, error);
+    static const char *const names[] = {"zeta [rad/um]", "s [nm^4]"};
+    static const double factors[] = {1e6, 1e-36};
+    double *points = NULL;
+    size_t n = 0;
+    haft_status status = haft_case_read_points(&points, &n, files, names, factors, error);
     if (status == HAFT_OK) {
-        status = haft_psd_table_create(out, POINTS_MOST, error);
+        status = haft_psd_table_create(out, n, error);
     }
-    FILE *stream = status == HAFT_OK ? fopen(files->path[0], "r") : NULL;
-    if (stream != NULL) {
-        status = read_psd_lines(*out, stream, files->path[0], error);
-        fclose(stream);
+    for (size_t i = 0; status == HAFT_OK && i < n; i++) {
+        (*out)->zeta[i] = points[2 * i];
+        (*out)->s[i] = points[2 * i + 1];
+    }
+    haft_memory_free(points);
+    if (status == HAFT_OK) {
+        status = haft_psd_table_check(*out, error);
+        if (status != HAFT_OK) {
+            haft_error_prefix(error, "%s: ", files->path[0]);
+        }
     }
     return status;
 }

@@ -10,6 +10,14 @@
 /* Length of a seamless block: long against the kernel's halo, short against memory. */
 #define BLOCK_LENGTH 12e-6
 
+double haft_study_film(const haft_case *c) {
+    haft_adsorption silica = haft_adsorption_silica();
+    const haft_adsorption *film =
+        c->contact.adsorbed == HAFT_ADSORBED_TABLE ? &c->contact.film : &silica;
+    bool any = c->contact.has_capillary && c->contact.adsorbed != HAFT_ADSORBED_NONE;
+    return any ? haft_adsorption_thickness(film, c->contact.capillary.humidity) : 0;
+}
+
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, haft_error *error) {
     double e = c->contact.young_modulus, nu = c->contact.poisson_ratio;
     *out = (haft_contact_spec){.asperities = c->contact.asperities,
@@ -21,7 +29,7 @@ haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, 
     haft_capillary capillary;
     haft_status status = haft_capillary_from_spec(&capillary, &c->contact.capillary, error);
     out->pressure = capillary.pressure;
-    out->capillary_range = capillary.range;
+    out->capillary_range = capillary.range + 2 * haft_study_film(c);
     return status;
 }
 
