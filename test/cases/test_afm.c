@@ -113,12 +113,14 @@ static void cases_resolve_and_are_digested(void **state) {
     copy_map(&s, "c.gsf", other);
     static const char *const surfaces[] = {
         "surface: {maps: a.gsf, grid_step: 10 nm, tip_radius: 5 nm, marginal: heights}",
-        "surface: {maps: [b.gsf], grid_step: 10 nm, tip_radius: 5 nm, marginal: heights}", /* the
-                                                                                              same
-                                                                                              contents
-                                                                                            */
+        "surface: {maps: [b.gsf], grid_step: 10 nm, tip_radius: 5 nm, marginal: "
+        "heights}", /* the
+                       same
+                       contents
+                     */
         "surface: {maps: c.gsf, grid_step: 10 nm, tip_radius: 5 nm, marginal: heights}",
-        "surface: {maps: a.gsf, opposite_maps: c.gsf, coherence: -0.5, level: quadratic, "
+        "surface: {maps: a.gsf, opposite_maps: c.gsf, coherence: -0.5, level: "
+        "quadratic, "
         "grid_step: 10 nm}",
         "surface: {maps: a.gsf, grid_step: 10 nm, use: fit, marginal: johnson}",
         "surface: {maps: [a.gsf, c.gsf], grid_step: 10 nm, source: maps}"};
