@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
 #include "draw.h"
+#include "report.h"
 #include "run.h"
 #include "summary_report.h"
 #include "sweep.h"
@@ -13,13 +14,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_JSON = 'j', KEY_THREADS = 't', KEY_REALIZATION = 'r' };
+enum {
+    KEY_FORCE = 'f',
+    KEY_QUIET = 'q',
+    KEY_JSON = 'j',
+    KEY_THREADS = 't',
+    KEY_REALIZATION = 'r',
+    KEY_BEAMS = 'b',
+    BUDGET_BEAMS = 4,
+};
 
 typedef struct arguments {
     const char *command, *folder;
     bool force, quiet, json;
     int threads;
     long realization; /* -1: the first that left evidence */
+    long beams;       /* a term of the budget */
 } arguments;
 
 static const char DOC[] =
@@ -31,7 +41,9 @@ static const char DOC[] =
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
     "  resume   do what is left of a run that was stopped or killed\n"
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
-    "  info     say what a finished run holds\n\n"
+    "  info     say what a finished run holds\n"
+    "  report   tell a finished run on one page, CASE/out/report.html\n"
+    "  budget   measure what each approximation contributes to the mean crack length\n\n"
     "Where case.yaml holds a sweep, these do so for all its variants, each a case of its own in "
     "CASE/out. Built with MPI, `mpirun -n N haft run CASE` spreads the beams over N "
     "ranks.\n\n" EXIT_CODES;
@@ -42,8 +54,10 @@ static const struct argp_option OPTIONS[] = {
     {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
     {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
     {"realization", KEY_REALIZATION, "K", 0,
-     "plot, of one case: the beam whose path is drawn (default: the first with evidence, else 0)",
+     "plot, report, of one case: the beam whose path is drawn (default: the first with evidence, "
+     "else 0)",
      0},
+    {"beams", KEY_BEAMS, "N", 0, "budget: follow N beams for each term (default: 4)", 0},
     {0}};
 
 static long parse_count(struct argp_state *state, const char *text, long least, long most,
@@ -75,6 +89,9 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case KEY_REALIZATION:
         a->realization = parse_count(state, value, 0, 1000000000, "--realization");
+        return 0;
+    case KEY_BEAMS:
+        a->beams = parse_count(state, value, 2, 1000000, "--beams");
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 1) {
@@ -147,8 +164,19 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
-enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
-static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
+enum { CHECK, RUN, RESUME, PLOT, INFO, REPORT, BUDGET, COMMANDS };
+static const char *const commands[COMMANDS] = {"check", "run",    "resume", "plot",
+                                               "info",  "report", "budget"};
+
+/* What is told of one case alone. */
+static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
+    haft_error error;
+    haft_status status = haft_error_set(&error, HAFT_ERROR_INPUT,
+                                        "%s holds a sweep; give one of its variants, as in: haft "
+                                        "%s %s/out/%s",
+                                        a->folder, a->command, a->folder, c->sweep.label);
+    return terminal_fail(t, status, &error);
+}
 
 static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
     bool swept = c->sweep.keys > 0;
@@ -163,6 +191,10 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
         return run(c, a->folder, HAFT_RUN_RESUME, a->json, t);
     case PLOT:
         return swept ? plot_sweep(c, a->folder, t) : draw_case(c, a->folder, a->realization, t);
+    case REPORT:
+        return swept ? refuse_sweep(c, a, t) : report_case(c, a->folder, a->realization, t);
+    case BUDGET:
+        return swept ? refuse_sweep(c, a, t) : budget_case(c, a->folder, (size_t)a->beams, t);
     default:
         return swept ? tell_sweep(c, a->folder, a->json, t) : command_info(c, a, t);
     }
@@ -180,7 +212,9 @@ static int start(const arguments *a, terminal *t) {
         return EXIT_OK;
     }
     if (command == COMMANDS) {
-        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
+        fprintf(stderr,
+                "haft: there is no command \"%s\"; try check, run, resume, plot, info, report "
+                "or budget\n",
                 a->command);
         return EXIT_USAGE;
     }
@@ -206,7 +240,7 @@ int main(int argc, char **argv) {
     argp_err_exit_status = EXIT_USAGE;
     argp_program_version = haft_version();
     static const struct argp program = {OPTIONS, parse, "COMMAND CASE", DOC, NULL, NULL, NULL};
-    arguments a = {.realization = -1};
+    arguments a = {.realization = -1, .beams = BUDGET_BEAMS};
     if (argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a) != 0) {
         return EXIT_OK; /* rank 0 says what is wrong */
     }

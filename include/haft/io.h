@@ -76,6 +76,7 @@ typedef struct haft_case {
         haft_asperity_model asperities;
         double young_modulus; /**< of both bodies [Pa] */
         double poisson_ratio; /**< of both bodies */
+        double hardness;      /**< of the softer body [Pa], to judge asperities by; 0: not given */
         bool has_capillary;
         haft_capillary_spec capillary;
         double distance_from, distance_to,
@@ -373,6 +374,9 @@ void haft_results_shapes_destroy(haft_results_shapes **shapes);
 /** Removes the temporary files of `path` (PATH.tmp.PID) whose processes are no more on this
  * machine. Thread-safe. */
 void haft_io_drop_stale(const char *path);
+
+/** Writes a text to `path`, whole or not at all. Thread-safe for distinct paths. */
+haft_status haft_text_write(const char *path, const char *text, haft_error *error) HAFT_MUST_CHECK;
 
 /** A column of a CSV file. */
 typedef struct haft_csv_column {

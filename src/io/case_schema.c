@@ -103,6 +103,8 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.young_modulus), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.poisson_ratio", "1", .low = 0, .low_in = true, .high = 0.5, .example = "0.22",
          .offset = AT(contact.poisson_ratio), .laws = HAFT_LAWS_ALWAYS),
+    REAL("contact.hardness", "Pa", POSITIVE, .fallback = "none", .example = "11 GPa",
+         .offset = AT(contact.hardness)),
     REAL("contact.capillary.humidity", "1", SHARE, .example = "85 %",
          .offset = AT(contact.capillary.humidity), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.temperature", "K", POSITIVE, .fallback = "300 K", .example = "300 K",
