@@ -2,9 +2,7 @@
 /* haft budget: measured by the library, printed as a table. */
 #include "report.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 static void print_term(const haft_budget_term *t) {
     if (!t->measured) {
@@ -25,8 +23,8 @@ static void print_budget(const haft_case *c, const haft_budget *b) {
     }
     printf("  %-24s %9s %8.3f %6zu %7.2f  four times as many beams halve it\n", "sample count", "",
            b->sampling * 1e6, b->sampled, 4.0);
-    printf("  %-24s %9.3f %19s  sum of the sizes above, other models left out\n",
-           "sum of refinements", b->total * 1e6, "");
+    printf("  %-24s %9.3f %8.3f %14s  sizes added, other models left out\n", "sum of refinements",
+           b->total * 1e6, b->total_half_width * 1e6, "");
     print_term(&b->together);
     printf("+- is the half width of a %.4g %% interval; cost that of a beam, laws included\n",
            100 * b->confidence);
@@ -34,16 +32,13 @@ static void print_budget(const haft_case *c, const haft_budget *b) {
 
 /* The whole run's sampling error, where there is one of this very case. */
 static bool find_headline(haft_statistics *s, const haft_case *c, const char *folder) {
-    char path[PATH_CAPACITY], *text = NULL;
+    char path[PATH_CAPACITY];
     haft_results_view *view = NULL;
     bool found = case_out_path(path, folder, "results.h5", NULL) == HAFT_OK &&
-                 haft_results_read(&view, path, NULL) == HAFT_OK &&
-                 haft_case_emit(&text, c, NULL) == HAFT_OK &&
-                 strcmp(text, view->resolved_case) == 0;
+                 read_own_results(&view, c, path, NULL) == HAFT_OK;
     if (found) {
         *s = haft_study_statistics(c, view->summary, view->realizations);
     }
-    haft_memory_free(text);
     haft_results_view_destroy(&view);
     return found;
 }

@@ -59,8 +59,8 @@ static haft_status draw(const char *scripts, const char *name, const char *folde
     return HAFT_OK;
 }
 
-static void set_environment(const haft_case *c, const char *scripts) {
-    setenv("HAFT_TITLE", c->title, 1);
+static void set_environment(const char *title, const char *scripts) {
+    setenv("HAFT_TITLE", title, 1);
     setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
     setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
 }
@@ -80,7 +80,7 @@ static haft_status draw_all(const haft_case *c, const char *folder, haft_error *
                                                           : -1,
              c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6,
              c->stop.confidence);
-    set_environment(c, scripts);
+    set_environment(c->title, scripts);
     haft_status status = HAFT_OK;
     for (size_t i = 0; status == HAFT_OK && i < count; i++) {
         status = draw(scripts, figures[i], folder, definitions, error);
@@ -115,7 +115,7 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                          : -1,
             c->stop.confidence);
-        set_environment(c, scripts);
+        set_environment(c->title, scripts);
         status = draw(scripts, "sweep", folder, definitions, &error);
     }
     if (status != HAFT_OK) {
@@ -125,6 +125,16 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
         printf("figures in %s\n", folder);
     }
     return EXIT_OK;
+}
+
+haft_status draw_comparison(const char *labels, size_t n, double confidence, const char *directory,
+                            haft_error *error) {
+    char scripts[PATH_CAPACITY], definitions[128];
+    find_scripts(scripts);
+    set_environment("Crack lengths compared", scripts);
+    setenv("HAFT_LABELS", labels, 1);
+    snprintf(definitions, sizeof definitions, "cases=%zu; confidence=%.9g", n, confidence);
+    return draw(scripts, "compare", directory, definitions, error);
 }
 
 haft_status choose_realization(const haft_case *c, long asked, size_t *chosen, haft_error *error) {

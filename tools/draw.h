@@ -21,4 +21,9 @@ haft_status read_matching_laws(haft_laws **laws, char digest[HAFT_DIGEST_CAPACIT
  * its first key chooses the axis' unit. @return the exit code */
 int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t);
 
+/* Draws DIR/distributions.csv and DIR/compare.csv, of n cases whose labels hold no space, one a
+ * line. */
+haft_status draw_comparison(const char *labels, size_t n, double confidence, const char *directory,
+                            haft_error *error);
+
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
+#include "compare.h"
 #include "draw.h"
 #include "report.h"
 #include "run.h"
@@ -21,11 +22,16 @@ enum {
     KEY_THREADS = 't',
     KEY_REALIZATION = 'r',
     KEY_BEAMS = 'b',
+    KEY_OUTPUT = 'o',
     BUDGET_BEAMS = 4,
+    FOLDERS_MAX = 64,
 };
 
 typedef struct arguments {
-    const char *command, *folder;
+    const char *command, *folder; /* the first */
+    char *folders[FOLDERS_MAX];
+    size_t count; /* of them */
+    const char *output;
     bool force, quiet, json;
     int threads;
     long realization; /* -1: the first that left evidence */
@@ -43,7 +49,8 @@ static const char DOC[] =
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
     "  info     say what a finished run holds\n"
     "  report   tell a finished run on one page, CASE/out/report.html\n"
-    "  budget   measure what each approximation contributes to the mean crack length\n\n"
+    "  budget   measure what each approximation contributes to the mean crack length\n"
+    "  compare  put two cases or more, or the variants of a sweep, beside the first of them\n\n"
     "Where case.yaml holds a sweep, these do so for all its variants, each a case of its own in "
     "CASE/out. Built with MPI, `mpirun -n N haft run CASE` spreads the beams over N "
     "ranks.\n\n" EXIT_CODES;
@@ -57,6 +64,8 @@ static const struct argp_option OPTIONS[] = {
      "plot, report, of one case: the beam whose path is drawn (default: the first with evidence, "
      "else 0)",
      0},
+    {"output", KEY_OUTPUT, "DIR", 0,
+     "compare: put tables and figure into DIR (default: out/compare of the first case)", 0},
     {"beams", KEY_BEAMS, "N", 0, "budget: follow N beams for each term (default: 4)", 0},
     {0}};
 
@@ -93,11 +102,19 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     case KEY_BEAMS:
         a->beams = parse_count(state, value, 2, 1000000, "--beams");
         return 0;
+    case KEY_OUTPUT:
+        a->output = value;
+        return 0;
     case ARGP_KEY_ARG:
-        if (state->arg_num > 1) {
+        if (state->arg_num == 0) {
+            a->command = value;
+            return 0;
+        }
+        if (a->count > 0 && (strcmp(a->command, "compare") != 0 || a->count == FOLDERS_MAX)) {
             argp_error(state, "one command and one case, please; \"%s\" is too much", value);
         }
-        *(state->arg_num == 0 ? &a->command : &a->folder) = value;
+        a->folders[a->count++] = value;
+        a->folder = a->folders[0];
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num < 2) {
@@ -164,9 +181,9 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
-enum { CHECK, RUN, RESUME, PLOT, INFO, REPORT, BUDGET, COMMANDS };
+enum { CHECK, RUN, RESUME, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
 static const char *const commands[COMMANDS] = {"check", "run",    "resume", "plot",
-                                               "info",  "report", "budget"};
+                                               "info",  "report", "budget", "compare"};
 
 /* What is told of one case alone. */
 static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
@@ -213,13 +230,16 @@ static int start(const arguments *a, terminal *t) {
     }
     if (command == COMMANDS) {
         fprintf(stderr,
-                "haft: there is no command \"%s\"; try check, run, resume, plot, info, report "
-                "or budget\n",
+                "haft: there is no command \"%s\"; try check, run, resume, plot, info, "
+                "report, budget or compare\n",
                 a->command);
         return EXIT_USAGE;
     }
     if (a->threads > 0) {
         omp_set_num_threads(a->threads);
+    }
+    if (command == COMPARE) {
+        return terminal_finish(t, compare_cases(a->count, a->folders, a->output, t));
     }
     haft_error error = {0};
     haft_case *c = NULL;
@@ -239,7 +259,8 @@ int main(int argc, char **argv) {
     bool leads = haft_study_rank() == 0;
     argp_err_exit_status = EXIT_USAGE;
     argp_program_version = haft_version();
-    static const struct argp program = {OPTIONS, parse, "COMMAND CASE", DOC, NULL, NULL, NULL};
+    static const struct argp program = {
+        OPTIONS, parse, "COMMAND CASE\ncompare CASE CASE...", DOC, NULL, NULL, NULL};
     arguments a = {.realization = -1, .beams = BUDGET_BEAMS};
     if (argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a) != 0) {
         return EXIT_OK; /* rank 0 says what is wrong */

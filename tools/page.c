@@ -222,14 +222,7 @@ haft_status page_store(page *p, const char *path, haft_error *error) {
     haft_status status =
         failed ? haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for %s", path)
                : haft_text_write(path, p->text, error);
-    page_drop(p);
-    return status;
-}
-
-void page_drop(page *p) {
-    if (p->stream != NULL) {
-        fclose(p->stream);
-    }
     free(p->text);
     *p = (page){0};
+    return status;
 }

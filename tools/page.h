@@ -33,6 +33,5 @@ bool page_figure(page *p, const char *path, const char *caption);
 
 /* Ends the page and writes it whole or not at all; the page is gone whatever comes of it. */
 haft_status page_store(page *p, const char *path, haft_error *error);
-void page_drop(page *p);
 
 #endif

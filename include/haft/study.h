@@ -280,8 +280,7 @@ typedef struct haft_comparison {
     haft_interval difference_interval; /**< Welch: takes the two sets as independent */
     double
         distance; /**< greatest distance of the two empirical distributions (Kolmogorov-Smirnov) */
-    double p_value; /**< of a distance as great if both were of one distribution: the asymptotic
-                       law with Stephens' (1970) correction, good from n1 n2/(n1+n2) = 4 on */
+    double p_value;               /**< of a distance as great if both were of one distribution */
     double share_difference;      /**< of the shares that stuck */
     haft_interval share_interval; /**< from the two Clopper-Pearson intervals by Newcombe's (1998)
                                      square-and-add rule */
@@ -301,8 +300,11 @@ haft_status haft_study_compare(haft_comparison *out, const haft_case *first,
                                const haft_case *second, const haft_summary *second_beam,
                                size_t second_beams, haft_error *error) HAFT_MUST_CHECK;
 
-/** Probability that Kolmogorov's distance of two samples of n1 and n2 exceeds `distance` if both
- *  are of one continuous distribution. Thread-safe. Source: Stephens (1970). */
+/** Probability that the greatest distance of two samples' empirical distributions is as great as
+ *  `distance` if both are of one continuous distribution: exact where the smaller has 200 values at
+ *  most and n1 n2 is 1e6 at most, else asymptotic with Stephens' correction. Ties make the truth
+ *  smaller. @return NaN for an empty sample. Thread-safe. Source: Hodges (1958), Stephens (1970).
+ */
 double haft_study_kolmogorov(double distance, size_t n1, size_t n2);
 
 /* ---- what a result rests on ---- */
@@ -374,6 +376,7 @@ typedef struct haft_budget {
     double sampling;           /**< half width of the mean over all beams of the case [m] */
     size_t sampled;            /**< how many those are */
     double total;              /**< sum of |shift| over the refinements [m] */
+    double total_half_width;   /**< of it, root of the sum of their squares [m] */
     double models;             /**< sum of |shift| over the other models [m] */
     haft_budget_term together; /**< all refinements at once */
 } haft_budget;

@@ -34,7 +34,7 @@ static void find_scales(haft_findings *out, const haft_evidence *e) {
                         .value = ratio,
                         .limit = LENGTHS_A_PATCH},
         "One force law stands for each patch, so a patch should hold many independent bits of "
-        "surface. Its shorter side, %.3g um, is %.2g correlation lengths of the roughness (%.3g "
+        "surface. Its shorter side, %.3g µm, is %.2g correlation lengths of the roughness (%.3g "
         "um, "
         "where the autocorrelation stays below 1 %%); %.0f or more count as apart.",
         patch * 1e6, ratio, e->correlation * 1e6, LENGTHS_A_PATCH);
@@ -222,17 +222,24 @@ static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_e
     }
     haft_memory_free(gap);
     double ratio = greatest / e->c->law.f_limit;
-    haft_findings_add(
-        out,
-        &(haft_finding){.subject = "laws are used where they were computed",
-                        .assumption = true,
-                        .verdict = beyond == 0 ? HAFT_VERDICT_HOLDS : judge(ratio, 0, 10),
-                        .value = ratio,
-                        .limit = 1},
-        "In %zu of %zu states of the beam shown some patch is pressed harder than its law was "
-        "computed for; there the push goes on along a straight line, up to %.3g MPa (the fit's "
-        "limit push is %.3g MPa).",
-        beyond, e->path->points, greatest * 1e-6, e->c->law.f_limit * 1e-6);
+    haft_finding facts = {.subject = "laws are used where they were computed",
+                          .assumption = true,
+                          .verdict = beyond == 0 ? HAFT_VERDICT_HOLDS : judge(ratio, 0, 10),
+                          .value = ratio,
+                          .limit = 1};
+    if (beyond == 0) {
+        haft_findings_add(out, &facts,
+                          "In none of the %zu states of the beam shown is a patch pressed harder "
+                          "than its law was computed for.",
+                          e->path->points);
+    } else {
+        haft_findings_add(
+            out, &facts,
+            "In %zu of %zu states of the beam shown some patch is pressed harder than "
+            "its law was computed for; there the push goes on along a straight line, "
+            "up to %.3g MPa (the fit's limit push is %.3g MPa).",
+            beyond, e->path->points, greatest * 1e-6, e->c->law.f_limit * 1e-6);
+    }
     return HAFT_OK;
 }
 

@@ -184,12 +184,15 @@ static haft_status measure_together(haft_budget *out, haft_changed_set *set, con
 }
 
 static void sum_up(haft_budget *out) {
+    double squares = 0;
     for (size_t i = 0; i < out->count; i++) {
         const haft_budget_term *t = &out->term[i];
         if (t->measured && isfinite(t->shift)) {
             *(t->refinement ? &out->total : &out->models) += fabs(t->shift);
+            squares += t->refinement && isfinite(t->half_width) ? t->half_width * t->half_width : 0;
         }
     }
+    out->total_half_width = sqrt(squares);
 }
 
 static void tell(const haft_changed_set *set, size_t done) {

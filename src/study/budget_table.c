@@ -58,8 +58,9 @@ static void write_rows(FILE *stream, const haft_budget *b, const char *digest) {
             "\"%s\",sample,\"four times as many beams halve it\",%zu,0,nan,nan,0,%.12g,4,%s\n",
             SAMPLE, b->sampled, b->sampling * 1e6, digest);
     write_row(stream, &b->together, digest);
-    fprintf(stream, "\"%s\",sum,\"confidence %.12g\",%zu,0,%.12g,nan,%.12g,nan,nan,%s\n", TOTAL,
-            b->confidence, b->beams, b->mean * 1e6, b->total * 1e6, digest);
+    fprintf(stream, "\"%s\",sum,\"confidence %.12g\",%zu,0,%.12g,nan,%.12g,%.12g,nan,%s\n", TOTAL,
+            b->confidence, b->beams, b->mean * 1e6, b->total * 1e6, b->total_half_width * 1e6,
+            digest);
     fprintf(stream, "\"%s\",sum,\"\",%zu,0,%.12g,nan,%.12g,nan,nan,%s\n", MODELS, b->beams,
             b->mean * 1e6, b->models * 1e6, digest);
 }
@@ -141,6 +142,7 @@ static void take_row(haft_budget *out, char *field[COLUMNS]) {
         out->beams = t.beams;
         out->mean = t.from;
         out->total = t.shift;
+        out->total_half_width = t.half_width;
         out->confidence = strtod(t.change + strlen("confidence"), NULL);
     } else if (strcmp(t.name, MODELS) == 0) {
         out->models = t.shift;

@@ -8,6 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+enum { EXACT_MOST = 200, EXACT_PATHS = 1000000 };
+
 /* Crack lengths of the beams followed to the end, sorted; a free one is longer than any. */
 typedef struct lengths {
     size_t n, stuck;
@@ -53,16 +55,39 @@ static double find_distance(const lengths *a, const lengths *b) {
     return greatest;
 }
 
+/* P(distance >= d) by counting: all orders of the n1 + n2 values are equally likely, and an order
+ * is a path on the lattice of the two counts, which is lost where it strays (Hodges 1958). One row
+ * of the lattice is kept, as shares of all paths to it. */
+static double count_paths(double distance, size_t n1, size_t n2) {
+    double kept[EXACT_MOST + 1];
+    double a = (double)n1, b = (double)n2, bound = (0.5 + floor(distance * a * b - 1e-7)) / (a * b);
+    for (size_t j = 0; j <= n2; j++) {
+        kept[j] = (double)j / b > bound ? 0 : 1;
+    }
+    for (size_t i = 1; i <= n1; i++) {
+        double share = (double)i / ((double)i + b);
+        kept[0] = (double)i / a > bound ? 0 : share * kept[0];
+        for (size_t j = 1; j <= n2; j++) {
+            bool lost = fabs((double)i / a - (double)j / b) > bound;
+            kept[j] = lost ? 0 : share * kept[j] + kept[j - 1];
+        }
+    }
+    return fmin(1, fmax(0, 1 - kept[n2]));
+}
+
 double haft_study_kolmogorov(double distance, size_t n1, size_t n2) {
-    if (n1 == 0 || n2 == 0) {
+    size_t few = n1 < n2 ? n1 : n2, many = n1 < n2 ? n2 : n1;
+    if (few == 0 || !isfinite(distance)) {
         return NAN;
     }
+    if (few <= EXACT_MOST && many <= EXACT_PATHS / few) {
+        return count_paths(distance, many, few);
+    }
     double root = sqrt((double)n1 * (double)n2 / ((double)n1 + (double)n2));
-    double x = (root + 0.12 + 0.11 / root) * distance;
+    double x = (root + 0.12 + 0.11 / root) * distance, sum = 0;
     if (x < 0.2) {
         return 1; /* to 1e-12, where the series below is slow */
     }
-    double sum = 0;
     for (int k = 1; k <= 100; k++) {
         double term = exp(-2.0 * k * k * x * x);
         sum += k % 2 == 1 ? term : -term;

@@ -110,9 +110,8 @@ static void find_outcomes(haft_findings *out, const haft_evidence *e) {
                                                         : HAFT_VERDICT_BROKEN,
                         .value = (double)s->failed,
                         .limit = 0},
-        "%zu of %zu beams were run; %zu of them could not be followed until the load was gone and "
-        "count in no statistics.",
-        s->run, e->c->realizations, s->failed);
+        "%zu of %zu beams were run; %zu of them could not be followed until the load was gone%s.",
+        s->run, e->c->realizations, s->failed, s->failed > 0 ? ", and count in no statistics" : "");
 }
 
 /* ---- the scales ---- */
@@ -168,7 +167,7 @@ static void find_elements(haft_findings *out, const haft_evidence *e) {
                                                 : HAFT_VERDICT_BROKEN,
                         .value = ratio,
                         .limit = 1},
-        "Elements of %.3g um against the %.3g um over which the beam bends where its surfaces pull "
+        "Elements of %.3g µm against the %.3g µm over which the beam bends where its surfaces pull "
         "(a beam on a foundation as stiff as the laws): %.2g; 1 or less resolves it, and mesh: "
         "active leaves nothing to resolve.",
         c->mesh.element_length * 1e6, bend * 1e6, ratio);
@@ -184,7 +183,7 @@ static void find_end(haft_findings *out, const haft_evidence *e) {
                                       .value = influence,
                                       .limit = END_BOUND},
                       "Of a deflection at its free end, %.1e reach the crack's tip (bound %.0e): "
-                      "so little does the part beyond %.4g um that is left out matter.",
+                      "so little does the part beyond %.4g µm that is left out matter.",
                       influence, END_BOUND, e->c->beam.length * 1e6);
 }
 
@@ -215,8 +214,8 @@ static void find_beams(haft_findings *out, const haft_evidence *e) {
                         .verdict = enough ? HAFT_VERDICT_HOLDS : HAFT_VERDICT_DOUBTFUL,
                         .value = half,
                         .limit = wanted},
-        "The mean of %zu beams is known to +-%.3g um with %.4g %% confidence (%.2g %% "
-        "of it; %.3g um or less from %zu beams or more counts as enough). To halve "
+        "The mean of %zu beams is known to ±%.3g µm with %.4g %% confidence (%.2g %% "
+        "of it; %.3g µm or less from %zu beams or more counts as enough). To halve "
         "that takes four times as many.",
         s->stuck, half * 1e6, 100 * s->confidence, 100 * half / s->mean, wanted * 1e6, BEAMS_LEAST);
 }
