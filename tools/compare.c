@@ -18,7 +18,7 @@ typedef struct entry {
     haft_case *c;
     haft_results_view *view;
     haft_statistics statistics;
-    haft_comparison against; /* the first */
+    haft_difference against; /* the first */
 } entry;
 
 typedef struct entries {
@@ -112,9 +112,9 @@ static haft_status compare_all(entries *all, haft_error *error) {
     haft_status status = HAFT_OK;
     for (size_t i = 0; i < all->count && status == HAFT_OK; i++) {
         entry *e = &all->entry[i];
-        status = haft_study_compare(&e->against, first->c, first->view->summary,
-                                    first->view->realizations, e->c, e->view->summary,
-                                    e->view->realizations, error);
+        status = haft_study_differ(&e->against, first->c, first->view->summary,
+                                   first->view->realizations, e->c, e->view->summary,
+                                   e->view->realizations, error);
     }
     return status;
 }
@@ -145,14 +145,14 @@ static void print_cases(const entries *all) {
 }
 
 static void print_differences(const entries *all) {
-    const haft_comparison *any = &all->entry[0].against;
+    const haft_difference *any = &all->entry[0].against;
     printf("\nagainst case 0, %.4g %% intervals: means as of independent beams; KS, the two-sample "
            "Kolmogorov-Smirnov test; pairs, beam by beam where the seed is the same\n",
            100 * any->confidence);
     printf(" %3s %29s %7s %9s %31s %7s %28s\n", "", "mean [um]", "KS", "p", "pairs [um]", "corr.",
            "stick [%]");
     for (size_t i = 1; i < all->count; i++) {
-        const haft_comparison *d = &all->entry[i].against;
+        const haft_difference *d = &all->entry[i].against;
         printf(" %3zu %+8.2f: %+8.2f to %+8.2f %7.3f %9.2g", i, d->difference * 1e6,
                d->difference_interval.low * 1e6, d->difference_interval.high * 1e6, d->distance,
                d->p_value);
@@ -171,7 +171,7 @@ enum { FACTS = 23 };
 
 static void fill_facts(double row[FACTS], size_t i, const entry *e) {
     const haft_statistics *s = &e->statistics;
-    const haft_comparison *d = &e->against;
+    const haft_difference *d = &e->against;
     double facts[FACTS] = {(double)i,
                            (double)s->run,
                            (double)s->stuck,

@@ -2,6 +2,8 @@
 /* Drawing a finished run: its data as CSV by the library, its figures by gnuplot. */
 #include "draw.h"
 
+#include "against.h"
+
 #include <errno.h>
 #include <math.h>
 #include <spawn.h>
@@ -65,27 +67,88 @@ static void set_environment(const char *title, const char *scripts) {
     setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
 }
 
-static haft_status draw_all(const haft_case *c, const char *folder, haft_error *error) {
-    static const char *const figures[] = {"surface", "laws",     "shapes",     "energy",
-                                          "cracks",  "overview", "convergence"};
-    size_t count = sizeof figures / sizeof *figures;
-    count -= c->realizations < 3; /* fewer beams converge to nothing */
+typedef struct pen {
+    const haft_case *c;
+    const char *folder;
     char scripts[PATH_CAPACITY], definitions[512];
-    find_scripts(scripts);
-    snprintf(definitions, sizeof definitions,
+} pen;
+
+static haft_status draw_each(const pen *p, const char *const *figures, size_t count,
+                             haft_error *error) {
+    haft_status status = HAFT_OK;
+    for (size_t i = 0; status == HAFT_OK && i < count; i++) {
+        status = draw(p->scripts, figures[i], p->folder, p->definitions, error);
+    }
+    return status;
+}
+
+static void take_pen(pen *p, const haft_case *c, const char *folder) {
+    p->c = c;
+    p->folder = folder;
+    find_scripts(p->scripts);
+    snprintf(p->definitions, sizeof p->definitions,
              "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g; "
-             "confidence=%.9g",
+             "confidence=%.9g; order=%zu; germ=%d",
              isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
              isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                           : -1,
              c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6,
-             c->stop.confidence);
-    set_environment(c->title, scripts);
-    haft_status status = HAFT_OK;
-    for (size_t i = 0; status == HAFT_OK && i < count; i++) {
-        status = draw(scripts, figures[i], folder, definitions, error);
+             c->stop.confidence, c->law.chaos.spec.order, (int)c->law.chaos.spec.germ);
+    set_environment(c->title, p->scripts);
+}
+
+static haft_status draw_path(const pen *p, haft_error *error) {
+    static const char *const figures[] = {"surface", "laws",     "shapes",     "energy",
+                                          "cracks",  "overview", "convergence"};
+    size_t count = sizeof figures / sizeof *figures;
+    count -= p->c->realizations < 3; /* fewer beams converge to nothing */
+    return draw_each(p, figures, count, error);
+}
+
+/* How the laws hang together along a seamless surface. */
+static haft_status draw_correlation(const pen *p, const haft_laws *laws, haft_error *error) {
+    static const char *const figure[] = {"correlation"};
+    if (p->c->law.sampler != HAFT_SAMPLER_EXPLICIT || laws->sites < 2 || laws->m <= laws->sites) {
+        return HAFT_OK;
     }
-    return status;
+    haft_status status = haft_study_write_correlation(p->c, laws, p->folder, error);
+    return status == HAFT_OK ? draw_each(p, figure, 1, error) : status;
+}
+
+static haft_status draw_model(const pen *p, const haft_laws *laws, haft_error *error) {
+    static const char *const figures[] = {"generated", "reduction", "components",
+                                          "marginals", "vectors",   "orders"};
+    if (laws->chaos == NULL) {
+        return HAFT_OK;
+    }
+    haft_status status = haft_study_write_model_figures(p->c, laws, p->folder, error);
+    return status == HAFT_OK ? draw_each(p, figures, sizeof figures / sizeof *figures, error)
+                             : status;
+}
+
+static haft_status draw_against(const pen *p, const char *reference, haft_error *error) {
+    static const char *const figure[] = {"against"};
+    char title[HAFT_TEXT_CAPACITY] = "";
+    if (reference == NULL) {
+        return HAFT_OK;
+    }
+    haft_status status = write_against(title, reference, p->folder, error);
+    setenv("HAFT_REFERENCE", title, 1);
+    return status == HAFT_OK ? draw_each(p, figure, 1, error) : status;
+}
+
+static haft_status draw_all(const haft_case *c, const haft_laws *laws, const char *folder,
+                            const char *reference, haft_error *error) {
+    pen p;
+    take_pen(&p, c, folder);
+    haft_status status = draw_path(&p, error);
+    if (status == HAFT_OK) {
+        status = draw_correlation(&p, laws, error);
+    }
+    if (status == HAFT_OK) {
+        status = draw_model(&p, laws, error);
+    }
+    return status == HAFT_OK ? draw_against(&p, reference, error) : status;
 }
 
 /* What the swept values are multiplied by on the axis, and the unit they are then in. */
@@ -163,7 +226,8 @@ haft_status read_matching_laws(haft_laws **laws, char built[HAFT_DIGEST_CAPACITY
     return status;
 }
 
-int draw_case(const haft_case *c, const char *case_folder, long asked, terminal *t) {
+int draw_case(const haft_case *c, const char *case_folder, long asked, const char *reference,
+              terminal *t) {
     haft_error error = {0};
     char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], folder[PATH_CAPACITY];
     char digest[HAFT_DIGEST_CAPACITY];
@@ -194,7 +258,7 @@ int draw_case(const haft_case *c, const char *case_folder, long asked, terminal 
         status = haft_study_write_figures(c, laws, results, realization, folder, &error);
     }
     if (status == HAFT_OK) {
-        status = draw_all(c, folder, &error);
+        status = draw_all(c, laws, folder, reference, &error);
     }
     haft_laws_destroy(&laws);
     if (status != HAFT_OK) {

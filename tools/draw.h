@@ -6,8 +6,10 @@
 #include "terminal.h"
 
 /* Draws the figures of CASE into CASE/out/plots, the path being that of the realization asked for,
- * or of the first that left evidence if that is -1. @return the program's exit code */
-int draw_case(const haft_case *c, const char *case_folder, long asked, terminal *t);
+ * or of the first that left evidence if that is -1; and, where `reference` is not NULL, its crack
+ * lengths against those of that case. @return the program's exit code */
+int draw_case(const haft_case *c, const char *case_folder, long asked, const char *reference,
+              terminal *t);
 
 /* The beam that is shown where `asked` was asked for: it, or if that is -1 the first that left
  * evidence, or 0. */

@@ -28,12 +28,13 @@ static const char DOC[] =
     "Builds the force laws that a case's beams are solved with, from its rough surfaces. CASE is a "
     "folder that holds case.yaml; the laws go into CASE/out/laws.h5.\v"
     "Commands:\n"
-    "  build        build CASE/out/laws.h5\n"
-    "  info         say what CASE/out/laws.h5 holds\n"
-    "  sample       draw law vectors from the model in CASE/out/laws.h5, by the case's sampler\n"
-    "  fit TABLE    build CASE/out/laws.h5 from the law vectors in a CSV file instead of from\n"
-    "               surfaces; its first line names the columns: e [mJ/m2],f_max [MPa],\n"
-    "               d_max [nm],d_limit [nm]\n\n" EXIT_CODES;
+    "  build      build CASE/out/laws.h5\n"
+    "  info       say what it holds\n"
+    "  study      say how its model settles with order and number of vectors\n"
+    "  sample     draw law vectors from its model, by the case's sampler\n"
+    "  fit TABLE  build it from the law vectors in a CSV file, not from surfaces;\n"
+    "             its first line names the columns: e [mJ/m2],f_max [MPa],\n"
+    "             d_max [nm],d_limit [nm]\n\n" EXIT_CODES;
 
 static const struct argp_option OPTIONS[] = {
     {"force", KEY_FORCE, 0, 0, "build, fit: replace laws that are there already", 0},
@@ -134,9 +135,9 @@ static haft_status fit(haft_laws **laws, const haft_case *c, const arguments *a,
     return status == HAFT_OK ? save(*laws, c, a, path, error) : status;
 }
 
-static haft_status sample(haft_laws **laws, const haft_case *c, const arguments *a,
-                          const char *path, haft_error *error) {
-    char standard[PATH_CAPACITY];
+/* The laws, if they are those of the case as it stands. */
+static haft_status read_own(haft_laws **laws, const haft_case *c, const char *path,
+                            haft_error *error) {
     char found[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
     haft_status status = haft_laws_read(laws, found, path, error);
     if (status == HAFT_OK) {
@@ -148,6 +149,19 @@ static haft_status sample(haft_laws **laws, const haft_case *c, const arguments 
                                 "haft-laws build --force first",
                                 path);
     }
+    return status;
+}
+
+static haft_status study(haft_laws **laws, const haft_case *c, const char *path,
+                         haft_error *error) {
+    haft_status status = read_own(laws, c, path, error);
+    return status == HAFT_OK ? print_study(*laws, c, error) : status;
+}
+
+static haft_status sample(haft_laws **laws, const haft_case *c, const arguments *a,
+                          const char *path, haft_error *error) {
+    char standard[PATH_CAPACITY];
+    haft_status status = read_own(laws, c, path, error);
     if (status == HAFT_OK) {
         status = case_out_path(standard, a->folder, "sample.csv", error);
     }
@@ -162,10 +176,10 @@ static haft_status sample(haft_laws **laws, const haft_case *c, const arguments 
     return status;
 }
 
-typedef enum command { BUILD, INFO, SAMPLE, FIT, COMMANDS } command;
+typedef enum command { BUILD, INFO, STUDY, SAMPLE, FIT, COMMANDS } command;
 
 static command find_command(const arguments *a) {
-    static const char *const name[COMMANDS] = {"build", "info", "sample", "fit"};
+    static const char *const name[COMMANDS] = {"build", "info", "study", "sample", "fit"};
     for (int i = 0; i < COMMANDS; i++) {
         if (strcmp(a->command, name[i]) == 0) {
             return (command)i;
@@ -177,7 +191,9 @@ static command find_command(const arguments *a) {
 /* @return false after saying what is wrong with the words of the command line */
 static bool can_be_meant(const arguments *a, command what) {
     if (what == COMMANDS) {
-        fprintf(stderr, "haft-laws: there is no command \"%s\"; try build, info, sample or fit\n",
+        fprintf(stderr,
+                "haft-laws: there is no command \"%s\"; try build, info, study, sample or "
+                "fit\n",
                 a->command);
     } else if ((what == FIT) != (a->table != NULL)) {
         fprintf(stderr,
@@ -202,6 +218,8 @@ static haft_status carry_out(command what, haft_laws **laws, const haft_case *c,
         return build(laws, c, a, t, path, error);
     case FIT:
         return fit(laws, c, a, path, error);
+    case STUDY:
+        return study(laws, c, path, error);
     case SAMPLE:
         return sample(laws, c, a, path, error);
     default:
@@ -239,7 +257,7 @@ int main(int argc, char **argv) {
         status = carry_out(what, &laws, c, &a, &t, &error);
     }
     bool makes = what == BUILD || what == FIT;
-    if (status == HAFT_OK && what != SAMPLE && !(makes && a.quiet)) {
+    if (status == HAFT_OK && (what == INFO || (makes && !a.quiet))) {
         print_laws(laws, c);
     }
     haft_laws_destroy(&laws);

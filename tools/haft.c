@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
+#include "against.h"
 #include "compare.h"
 #include "draw.h"
 #include "report.h"
@@ -21,6 +22,7 @@ enum {
     KEY_JSON = 'j',
     KEY_THREADS = 't',
     KEY_REALIZATION = 'r',
+    KEY_AGAINST = 'a',
     KEY_BEAMS = 'b',
     KEY_OUTPUT = 'o',
     BUDGET_BEAMS = 4,
@@ -28,7 +30,7 @@ enum {
 };
 
 typedef struct arguments {
-    const char *command, *folder; /* the first */
+    const char *command, *folder, *against; /* the first folder; NULL where there is no reference */
     char *folders[FOLDERS_MAX];
     size_t count; /* of them */
     const char *output;
@@ -64,6 +66,8 @@ static const struct argp_option OPTIONS[] = {
      "plot, report, of one case: the beam whose path is drawn (default: the first with evidence, "
      "else 0)",
      0},
+    {"against", KEY_AGAINST, "REFERENCE", 0,
+     "info, plot, of one case: hold its crack lengths against those of another case", 0},
     {"output", KEY_OUTPUT, "DIR", 0,
      "compare: put tables and figure into DIR (default: out/compare of the first case)", 0},
     {"beams", KEY_BEAMS, "N", 0, "budget: follow N beams for each term (default: 4)", 0},
@@ -104,6 +108,9 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case KEY_OUTPUT:
         a->output = value;
+        return 0;
+    case KEY_AGAINST:
+        a->against = value;
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num == 0) {
@@ -185,20 +192,24 @@ enum { CHECK, RUN, RESUME, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
 static const char *const commands[COMMANDS] = {"check", "run",    "resume", "plot",
                                                "info",  "report", "budget", "compare"};
 
-/* What is told of one case alone. */
+/* What only one case has is refused where there is a sweep. */
 static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
-    haft_error error;
-    haft_status status = haft_error_set(&error, HAFT_ERROR_INPUT,
-                                        "%s holds a sweep; give one of its variants, as in: haft "
-                                        "%s %s/out/%s",
-                                        a->folder, a->command, a->folder, c->sweep.label);
-    return terminal_fail(t, status, &error);
+    haft_error error = {0};
+    return terminal_fail(t,
+                         haft_error_set(&error, HAFT_ERROR_INPUT,
+                                        "%s holds a sweep; this is for one case, as %s/out/%s",
+                                        a->folder, a->folder, c->sweep.label),
+                         &error);
 }
 
 static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
     bool swept = c->sweep.keys > 0;
     int (*run)(const haft_case *, const char *, haft_run_mode, bool, terminal *) =
         swept ? run_sweep : run_case;
+    if (swept &&
+        (command == REPORT || command == BUDGET || (a->against != NULL && command >= PLOT))) {
+        return refuse_sweep(c, a, t);
+    }
     switch (command) {
     case CHECK:
         return command_check(c, a, t);
@@ -207,13 +218,16 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     case RESUME:
         return run(c, a->folder, HAFT_RUN_RESUME, a->json, t);
     case PLOT:
-        return swept ? plot_sweep(c, a->folder, t) : draw_case(c, a->folder, a->realization, t);
+        return swept ? plot_sweep(c, a->folder, t)
+                     : draw_case(c, a->folder, a->realization, a->against, t);
     case REPORT:
-        return swept ? refuse_sweep(c, a, t) : report_case(c, a->folder, a->realization, t);
+        return report_case(c, a->folder, a->realization, t);
     case BUDGET:
-        return swept ? refuse_sweep(c, a, t) : budget_case(c, a->folder, (size_t)a->beams, t);
+        return budget_case(c, a->folder, (size_t)a->beams, t);
     default:
-        return swept ? tell_sweep(c, a->folder, a->json, t) : command_info(c, a, t);
+        return swept                ? tell_sweep(c, a->folder, a->json, t)
+               : a->against != NULL ? tell_against(c, a->folder, a->against, a->json, t)
+                                    : command_info(c, a, t);
     }
 }
 
@@ -233,6 +247,12 @@ static int start(const arguments *a, terminal *t) {
                 "haft: there is no command \"%s\"; try check, run, resume, plot, info, "
                 "report, budget or compare\n",
                 a->command);
+        return EXIT_USAGE;
+    }
+    if (a->against != NULL && command != PLOT && command != INFO) {
+        if (leads) {
+            fprintf(stderr, "haft: --against belongs to info and plot, not to %s\n", a->command);
+        }
         return EXIT_USAGE;
     }
     if (a->threads > 0) {

@@ -140,3 +140,88 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
         print_chaos(laws);
     }
 }
+
+/* ---- the study of a model ---- */
+
+static void print_each(const double *value, size_t n, double unit, const char *format) {
+    for (size_t j = 0; j < n; j++) {
+        printf(format, unit * value[j]);
+    }
+}
+
+static double worst_of(const double *value, size_t n) {
+    double worst = 0;
+    for (size_t j = 0; j < n; j++) {
+        worst = fmax(worst, fabs(value[j]));
+    }
+    return worst;
+}
+
+static void print_orders(const haft_order_error *o, size_t n, const haft_chaos_parts *p) {
+    printf(
+        "Expansions of %zu vectors in %zu components; relMISE by %d maps, in all and by component "
+        "[%%];\nown: by the projection's own rule [%%]; lacks: share of the variance, the worst "
+        "component's [%%]\n",
+        p->m, p->components, HAFT_STUDY_MAPS);
+    printf("  %-9s %5s %6s %9s %9s %9s  %s\n", "germ", "N_d", "terms", "own", "relMISE", "lacks",
+           "by component");
+    for (size_t i = 0; i < n; i++) {
+        const haft_chaos_errors *e = &o[i].errors;
+        printf("  %-9s %5zu %6zu %9.4f %9.3f %9.2f ", haft_chaos_germ_name(o[i].germ), o[i].order,
+               o[i].terms, 100 * e->relmise_own_total, 100 * e->relmise_total,
+               100 * worst_of(e->variance_error, p->components));
+        print_each(e->relmise, p->components, 100, " %8.3f");
+        printf("\n");
+    }
+}
+
+static void print_parts(const haft_vectors_error *v, size_t n, const haft_chaos_parts *p) {
+    printf("\nModels of m of the vectors, mean over disjoint parts; density: relMISE of the kernel "
+           "density\nof each component against that of all vectors, with its standard error [%%]; "
+           "distance: Wasserstein-1,\nof the expansion's components from all vectors' [std. dev.]; "
+           "own map: relMISE of the expansion [%%]\n");
+    printf("  %6s %6s  %-*s  %-*s %9s\n", "m", "parts", (int)(17 * p->components), "density",
+           (int)(8 * p->components), "distance", "own map");
+    for (size_t i = 0; i < n; i++) {
+        printf("  %6zu %6zu ", v[i].m, v[i].parts);
+        for (size_t j = 0; j < p->components; j++) {
+            char error[16] = "-";
+            if (isfinite(v[i].density_error[j])) {
+                snprintf(error, sizeof error, "%.3f", 100 * v[i].density_error[j]);
+            }
+            printf(" %7.3f +- %-5s", 100 * v[i].density[j], error);
+        }
+        printf(" ");
+        print_each(v[i].w1, p->components, 1, " %7.4f");
+        printf(" %9.3f\n", 100 * v[i].relmise);
+    }
+}
+
+haft_status print_study(const haft_laws *laws, const haft_case *c, haft_error *error) {
+    enum { ROWS = 3 * HAFT_STUDY_ORDERS };
+    haft_order_error o[ROWS];
+    haft_vectors_error v[HAFT_STUDY_PARTS];
+    size_t m[HAFT_STUDY_PARTS];
+    haft_chaos_parts p;
+    if (laws->chaos == NULL) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "these laws hold no stochastic model to study; set law.sampler: gpce, "
+            "exact, kernel, bootstrap or mean");
+    }
+    haft_chaos_get_parts(laws->chaos, &p);
+    for (size_t i = 0; i < ROWS; i++) {
+        o[i].germ = (haft_chaos_germ)(i / HAFT_STUDY_ORDERS);
+        o[i].order = haft_study_orders[i % HAFT_STUDY_ORDERS];
+    }
+    haft_status status = haft_study_model_orders(laws, c, ROWS, o, error);
+    if (status == HAFT_OK) {
+        print_orders(o, ROWS, &p);
+        size_t n = haft_study_model_parts(laws, m);
+        status = haft_study_model_vectors(laws, c, n, m, v, error);
+        if (status == HAFT_OK) {
+            print_parts(v, n, &p);
+        }
+    }
+    return status;
+}

@@ -7,4 +7,7 @@
 /* Prints what a set of laws is like, beside the case's references, and its model's errors. */
 void print_laws(const haft_laws *laws, const haft_case *c);
 
+/* Studies the model in its order and in its vectors, and prints what comes of it. */
+haft_status print_study(const haft_laws *laws, const haft_case *c, haft_error *error);
+
 #endif

@@ -264,19 +264,38 @@ static void write_budget(page *p, const source *s) {
 /* ---- figures, cost, provenance ---- */
 
 static void write_figures(page *p, const source *s) {
+    enum { ALWAYS, MANY, SEAMLESS, MODEL }; /* when it is drawn */
     static const struct {
         const char *file, *caption;
+        int when;
     } figures[] = {
-        {"cracks.svg", "Crack lengths of all beams at rest."},
-        {"convergence.svg", "Mean and standard deviation over the first beams, with intervals: "
-                            "level curves mean enough beams."},
-        {"shapes.svg", "The beam shown, pressed down and let go: its shapes, heights stretched."},
-        {"energy.svg", "Its strain energy against its crack length; jumps are sudden changes at "
-                       "constant load, each of which loses energy."},
-        {"laws.svg", "Force laws of some patches: pressure against the distance of the mean "
-                     "planes; below zero the surfaces pull."},
-        {"surface.png", "A piece of the rough surface."},
+        {"cracks.svg", "Crack lengths of all beams at rest.", ALWAYS},
+        {"convergence.svg",
+         "Mean and standard deviation over the first beams, with intervals: level curves mean "
+         "enough beams.",
+         MANY},
+        {"shapes.svg", "The beam shown, pressed down and let go: its shapes, heights stretched.",
+         ALWAYS},
+        {"energy.svg",
+         "Its strain energy against its crack length; jumps are sudden changes at constant load, "
+         "each of which loses energy.",
+         ALWAYS},
+        {"laws.svg",
+         "Force laws of some patches: pressure against the distance of the mean planes; below zero "
+         "the surfaces pull.",
+         ALWAYS},
+        {"surface.png", "A piece of the rough surface.", ALWAYS},
+        {"correlation.svg", "What the laws of patches at a distance have in common.", SEAMLESS},
+        {"marginals.svg",
+         "The numbers of the laws: those drawn from the model against those of the "
+         "patches.",
+         MODEL},
+        {"vectors.svg", "The same in pairs: what the numbers of a law have to do with each other.",
+         MODEL},
+        {"orders.svg", "The error of the model's expansion against its order.", MODEL},
     };
+    const bool has[] = {true, s->c->realizations >= 3, s->c->law.sampler == HAFT_SAMPLER_EXPLICIT,
+                        s->laws->chaos != NULL};
     page_element(p, "h2", NULL, "Figures");
     if (!s->drawn) {
         page_element(p, "p", NULL,
@@ -286,9 +305,8 @@ static void write_figures(page *p, const source *s) {
     page_element(p, "p", "soft", "The beam shown is number %zu, counted from 0.", s->realization);
     for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
         char path[PATH_CAPACITY], name[64];
-        bool few = s->c->realizations < 3 && strcmp(figures[i].file, "convergence.svg") == 0;
         snprintf(name, sizeof name, "plots/%s", figures[i].file);
-        if (!few && case_out_path(path, s->folder, name, NULL) == HAFT_OK) {
+        if (has[figures[i].when] && case_out_path(path, s->folder, name, NULL) == HAFT_OK) {
             page_figure(p, path, figures[i].caption);
         }
     }
@@ -403,7 +421,7 @@ int report_case(const haft_case *c, const char *folder, long asked, terminal *t)
     if (status == HAFT_OK) {
         terminal silent = *t;
         silent.quiet = true;
-        s.drawn = draw_case(c, folder, asked, &silent) == EXIT_OK; /* tells why it is not */
+        s.drawn = draw_case(c, folder, asked, NULL, &silent) == EXIT_OK; /* tells why it is not */
         status = write_page(&s, path, &error);
     }
     haft_laws_destroy(&s.laws);

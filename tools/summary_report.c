@@ -155,6 +155,52 @@ static bool is_reference(const struct haft_case_sweep *sweep, size_t key) {
     return strncmp(sweep->key[key], "reference.", strlen("reference.")) == 0;
 }
 
+static bool has_reference(const haft_case *c) {
+    return isfinite(c->reference.paper_crack_length) ||
+           isfinite(c->reference.measured_crack_length);
+}
+
+/* What others found, and how far ours is from it. */
+static void print_deviation(const haft_statistics *s, double other) {
+    if (isfinite(other) && s->stuck > 0) {
+        printf(" %9.1f %+9.1f %+7.1f", other * 1e6, (s->mean - other) * 1e6,
+               100 * (s->mean / other - 1));
+    } else {
+        printf(" %9s %9s %7s", "-", "-", "-");
+    }
+}
+
+/* The table of a sweep beside the paper's and the measured one (Tabs. 3 and 4). */
+static void print_beside(const haft_variant *variant, size_t variants) {
+    size_t key = 0;
+    const struct haft_case_sweep *sweep = &variant[0].c->sweep;
+    bool any = false;
+    for (size_t i = 0; i < variants; i++) {
+        any = any || has_reference(variant[i].c);
+    }
+    if (!any) {
+        return;
+    }
+    while (key + 1 < sweep->keys && is_reference(sweep, key)) {
+        key++;
+    }
+    printf(
+        "\n mean crack length at rest of the beams that stuck\n %17s %9s %7s %7s %9s %9s %7s %9s "
+        "%9s %7s\n",
+        haft_sweep_leaf(sweep, key), "Haft", "s. e.", "free", "paper", "shift", "shift", "measured",
+        "shift", "shift");
+    printf(" %17s %9s %7s %7s %9s %9s %7s %9s %9s %7s\n", "", "[um]", "[um]", "[%]", "[um]", "[um]",
+           "[%]", "[um]", "[um]", "[%]");
+    for (size_t i = 0; i < variants; i++) {
+        const haft_statistics *s = &variant[i].statistics;
+        printf(" %17s %9.1f %7.2f %7.1f", variant[i].c->sweep.text[key], s->mean * 1e6,
+               s->standard_error * 1e6, 100 * (1 - s->stuck_share));
+        print_deviation(s, variant[i].c->reference.paper_crack_length);
+        print_deviation(s, variant[i].c->reference.measured_crack_length);
+        printf("\n");
+    }
+}
+
 void print_sweep(const haft_variant *variant, size_t variants, bool json) {
     if (json) {
         print_sweep_json(variant, variants);
@@ -191,4 +237,5 @@ void print_sweep(const haft_variant *variant, size_t variants, bool json) {
         printf(" %8.2f %7.3f %6zu %6zu %9.4f %9.4f %8.3f\n", s->deviation * 1e6, s->gamma * 1e3,
                s->stuck, s->free, s->internal_energy * 1e12, s->dissipated * 1e12, s->seconds);
     }
+    print_beside(variant, variants);
 }

@@ -227,6 +227,32 @@ haft_status haft_chaos_project(haft_chaos_germ germ, size_t directions, size_t o
                                const double *value, double *coefficient, size_t stride,
                                haft_error *error) HAFT_MUST_CHECK;
 
+/* ---- densities ---- */
+
+/** Gaussian kernels about samples, as a model has them about its centres.
+ *  Where `kernel` preserves the variance, centres and bandwidth are shrunk by 1/sqrt(1 + h^2). */
+typedef struct haft_chaos_kernels {
+    size_t m;
+    const double *centre; /**< [m][stride], the first number of each row being column 0 */
+    size_t stride;
+    double bandwidth; /**< h, before any shrinking; > 0 */
+    haft_chaos_kernel kernel;
+} haft_chaos_kernels;
+
+/** Their marginal density in one column,
+ *      p(x) = 1/m sum_k N(x; c_k, h^2).
+ *  @param[in] x [n] @param[out] density [n] Source: Hoang et al. (2017), Eq. B.3. Thread-safe. */
+void haft_chaos_density(const haft_chaos_kernels *kernels, size_t column, size_t n, const double *x,
+                        double *density);
+
+/** Their joint density in two columns, p(x_i, y_j), on the product of two grids.
+ *  @param[in] x [nx] @param[in] y [ny] @param[out] density [nx][ny]
+ *  @return HAFT_ERROR_MEMORY. Thread-safe. */
+haft_status haft_chaos_joint_density(const haft_chaos_kernels *kernels, size_t column_x,
+                                     size_t column_y, size_t nx, const double *x, size_t ny,
+                                     const double *y, double *density,
+                                     haft_error *error) HAFT_MUST_CHECK;
+
 /* ---- errors ---- */
 
 /** How the errors are measured. Zeros: 4096 maps, 65536 samples. */
@@ -242,6 +268,14 @@ typedef struct haft_chaos_distance {
     double low_quantile;  /**< difference of the 0.1 % quantiles [standard deviations] */
     double high_quantile; /**< difference of the 99.9 % quantiles */
 } haft_chaos_distance;
+
+/** Sorts numbers, as the next function wants them. Thread-safe. */
+void haft_chaos_sort(size_t n, double *x);
+
+/** Distance of the empirical law of sorted samples x from that of sorted samples y, exactly, in
+ *  their own unit. @param[in] n, m at least 1. Thread-safe. */
+haft_chaos_distance haft_chaos_distance_of_samples(size_t n, const double *x, size_t m,
+                                                   const double *y);
 
 /** Errors of the expansion, [j] for principal component j. */
 typedef struct haft_chaos_errors {
@@ -264,6 +298,20 @@ typedef struct haft_chaos_errors {
  *  @return HAFT_ERROR_ARGUMENT if an effort is above HAFT_CHAOS_GRID_LIMIT; HAFT_ERROR_MEMORY. */
 haft_status haft_chaos_measure(const haft_chaos *chaos, const haft_chaos_effort *effort,
                                haft_chaos_errors *errors, haft_error *error) HAFT_MUST_CHECK;
+
+/** The inverse Rosenblatt map at the first n quasi-random points, in parallel: once for all the
+ *  expansions that are to be held against it.
+ *  @param[out] xi [n][N_g] in the map's order @param[out] eta [n][N_g] by component */
+haft_status haft_chaos_map(const haft_chaos *chaos, size_t n, double *xi, double *eta,
+                           haft_error *error) HAFT_MUST_CHECK;
+
+/** relMISE of a model's expansion from a map that haft_chaos_map() has evaluated, its own or that
+ * of a model of the same vectors, kernels and components, whatever its germ and order. Heavy tails
+ * decide it: one vector 15 standard deviations out among 5000 holds 5 % of the variance, and n must
+ * be many times the number of vectors to weigh it rightly.
+ *  @param[out] each [N_g] Eq. C.9 @param[out] total Eq. C.10. Thread-safe. */
+void haft_chaos_relmise(const haft_chaos *chaos, size_t n, const double *xi, const double *eta,
+                        double *each, double *total);
 
 #ifdef __cplusplus
 }

@@ -223,6 +223,113 @@ typedef struct haft_statistics {
 /** @param[in] c its study.stop.confidence is the intervals', 0 the default. Thread-safe. */
 haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *summary, size_t n);
 
+/** How far the crack lengths of one campaign are from those of another, the reference; of beams
+ *  that stuck alone. */
+typedef struct haft_comparison {
+    size_t references, beams;      /**< that stuck */
+    double mean_shift, mean_error; /**< less the reference's, and its standard error [m] */
+    double deviation_shift, deviation_error; /**< of the standard deviations, the error from fourth
+                                              *   moments, for any law [m] */
+    double ks;                               /**< Kolmogorov-Smirnov distance */
+    double ks_chance;    /**< chance of one as great if the laws are one: haft_study_kolmogorov() */
+    double w1, w1_error; /**< Wasserstein-1 distance, its error by the bootstrap [m] */
+    double
+        w1_by_chance; /**< what it would be on average if the laws were one, by permutation [m] */
+} haft_comparison;
+
+/** Compares two campaigns. 400 rounds of bootstrap and permutation, of a fixed seed: the same every
+ *  time. @return HAFT_ERROR_INPUT if fewer than two beams stuck on a side. Thread-safe. */
+haft_status haft_study_compare(haft_comparison *out, const haft_summary *reference,
+                               size_t references, const haft_summary *summary, size_t n,
+                               haft_error *error) HAFT_MUST_CHECK;
+
+/** An expansion of a germ and order, and its errors (haft_chaos_measure(), with 16384 samples; the
+ *  relMISE by an independent rule with HAFT_STUDY_MAPS maps). */
+typedef struct haft_order_error {
+    haft_chaos_germ germ;
+    size_t order;
+    size_t terms;
+    haft_chaos_errors errors;
+} haft_order_error;
+
+/** Maps that expansions are held against, the same for all of them. */
+enum { HAFT_STUDY_MAPS = 32768 };
+
+/** Studies the model of a set of laws in its expansion.
+ *  @param[in] laws with a model
+ *  @param[in,out] out [n] germs and orders in, terms and errors out */
+haft_status haft_study_model_orders(const haft_laws *laws, const haft_case *c, size_t n,
+                                    haft_order_error *out, haft_error *error) HAFT_MUST_CHECK;
+
+/** The orders that figures and tables of convergence go through. */
+enum { HAFT_STUDY_ORDERS = 9 };
+extern const size_t haft_study_orders[HAFT_STUDY_ORDERS];
+
+/** What a model of m vectors lacks of one of all, [j] for principal component j of all; means over
+ *  up to 8 disjoint parts of the vectors. */
+typedef struct haft_vectors_error {
+    size_t m, parts;
+    double density[HAFT_CHAOS_DIMENSION];       /**< relMISE of the kernel density of eta_j,
+                                                 *   int (p_m - p)^2 / int p^2 */
+    double density_error[HAFT_CHAOS_DIMENSION]; /**< standard error over the parts; NaN for one */
+    double w1[HAFT_CHAOS_DIMENSION]; /**< Wasserstein-1 distance of the expansion's eta_j from all
+                                      *   vectors' [standard deviations] */
+    double relmise;                  /**< of the expansion from the part's own map (Eq. C.10) */
+} haft_vectors_error;
+
+/** Studies the model of a set of laws in the number of its vectors.
+ *  @param[in] m [n], at most the model's
+ *  @param[out] out [n]
+ *  @return HAFT_ERROR_ARGUMENT for more than there are; HAFT_ERROR_INPUT if so few make no model.
+ */
+haft_status haft_study_model_vectors(const haft_laws *laws, const haft_case *c, size_t n,
+                                     const size_t *m, haft_vectors_error *out,
+                                     haft_error *error) HAFT_MUST_CHECK;
+
+enum { HAFT_STUDY_PARTS = 8 };
+
+/** Numbers of vectors worth studying, rising: all, half, a quarter, ... down to 40.
+ *  @return how many. Thread-safe. */
+size_t haft_study_model_parts(const haft_laws *laws, size_t m[HAFT_STUDY_PARTS]);
+
+/** Writes the data of a model's figures into `directory`, which must exist: generated.csv (ten laws
+ *  drawn, Fig. 14b of Hoang et al.), reduction.csv (the error of leaving components out, Fig. 16),
+ *  components.csv and joint.csv (densities of the components, Fig. 17), marginals.csv (of the law
+ *  vectors' numbers, Fig. 18), parts.csv and density.csv (convergence in the number of vectors,
+ *  Fig. B.22), orders.csv and map.csv (in the order, Fig. C.23).
+ *  @param[in] laws with a model */
+haft_status haft_study_write_model_figures(const haft_case *c, const haft_laws *laws,
+                                           const char *directory,
+                                           haft_error *error) HAFT_MUST_CHECK;
+
+/** A correlation, its standard error, and how many pairs it is of. */
+typedef struct haft_correlation {
+    double value,
+        error; /**< error: by leaving out one realization at a time; NaN if there is one */
+    size_t pairs;
+} haft_correlation;
+
+/** Normalised spatial correlation of a number along surfaces,
+ *      rho_l = mean over pairs of (x_r - mean) (x_{r+l} - mean) / variance,
+ *  mean and variance over all. Numbers that are not finite are left out with their pairs.
+ *  @param[in] x [realizations][sites], stride apart
+ *  @param[in] lags below sites
+ *  @param[out] out [lags + 1], from rho_0 = 1; NaN where all numbers are one
+ *  Source: Hoang et al. (2017), Eq. 35; Quenouille (1949). Thread-safe. */
+haft_status haft_study_correlation(size_t realizations, size_t sites, const double *x,
+                                   size_t stride, size_t lags, haft_correlation *out,
+                                   haft_error *error) HAFT_MUST_CHECK;
+
+/** That of e, f_max, d_max, d_limit of a set of explicit laws. @param[out] out [4][lags + 1] */
+haft_status haft_study_correlate_laws(const haft_laws *laws, size_t lags,
+                                      haft_correlation *const out[4],
+                                      haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes it for up to 20 patches as correlation.csv, with intervals by Student's t over the
+ *  realizations (Fig. 15 of Hoang et al.). */
+haft_status haft_study_write_correlation(const haft_case *c, const haft_laws *laws,
+                                         const char *directory, haft_error *error) HAFT_MUST_CHECK;
+
 /** One variant of a sweep, run. */
 typedef struct haft_variant {
     const haft_case *c;
@@ -274,7 +381,7 @@ haft_interval haft_study_difference_interval(const double mean[2], const double 
 /** Crack lengths of a second set of beams against those of a first. Differences are second less
  *  first, and of the beams that stuck; free beams count in the shares and, as longer than any
  *  other, in the test of the two distributions. */
-typedef struct haft_comparison {
+typedef struct haft_difference {
     double confidence;
     double difference;                 /**< of the means [m] */
     haft_interval difference_interval; /**< Welch: takes the two sets as independent */
@@ -291,14 +398,14 @@ typedef struct haft_comparison {
     double pair_deviation;       /**< standard deviation of the differences [m] */
     haft_interval pair_interval; /**< Student [m] */
     double correlation;          /**< of the pairs' crack lengths; what pairing is worth */
-} haft_comparison;
+} haft_difference;
 
 /** @param[in] first, second their beams and how many there are; beams that were not run or failed
  *  are left out. @return HAFT_ERROR_MEMORY. Thread-safe. */
-haft_status haft_study_compare(haft_comparison *out, const haft_case *first,
-                               const haft_summary *first_beam, size_t first_beams,
-                               const haft_case *second, const haft_summary *second_beam,
-                               size_t second_beams, haft_error *error) HAFT_MUST_CHECK;
+haft_status haft_study_differ(haft_difference *out, const haft_case *first,
+                              const haft_summary *first_beam, size_t first_beams,
+                              const haft_case *second, const haft_summary *second_beam,
+                              size_t second_beams, haft_error *error) HAFT_MUST_CHECK;
 
 /** Probability that the greatest distance of two samples' empirical distributions is as great as
  *  `distance` if both are of one continuous distribution: exact where the smaller has 200 values at

@@ -6,12 +6,6 @@
 #include "chaos/mixture.h"
 #include "haft/chaos.h"
 
-void haft_chaos_sort(size_t n, double *x);
-
-/* Of sorted samples x from sorted samples y: the empirical laws, exactly. */
-haft_chaos_distance haft_chaos_distance_of_samples(size_t n, const double *x, size_t m,
-                                                   const double *y);
-
 /* Of sorted samples x from the law of a line, which is tabulated. */
 haft_status haft_chaos_distance_of_line(size_t n, const double *x, const chaos_line *line,
                                         haft_chaos_distance *out,

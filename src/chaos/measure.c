@@ -102,49 +102,62 @@ static haft_status measure_own(const haft_chaos *chaos, haft_chaos_errors *error
     return status;
 }
 
-/* eta[k][g] of the map and of the expansion at point k. */
-static void map_point(const haft_chaos *chaos, haft_chaos_work *work, const recurrence *r, size_t k,
-                      double *exact, double *expanded) {
-    double x[N], germ[N], eta[N];
-    for (size_t i = 0; i < chaos->parts.components; i++) {
-        double u = point_of(r, k, i);
-        chaos_line line = haft_chaos_mixture_condition(&chaos->mixture, work, i, x);
-        x[i] = exact[i] = haft_chaos_line_quantile(&line, u, 1 - u);
-        germ[i] = haft_chaos_germ_quantile(chaos->parts.germ, u);
+haft_status haft_chaos_map(const haft_chaos *chaos, size_t n, double *xi, double *eta,
+                           haft_error *error) {
+    size_t g = chaos->parts.components;
+    const size_t *order = chaos->parts.component_order;
+    recurrence r = make_recurrence(g);
+    chaos_crew crew;
+    haft_status status = haft_chaos_crew_init(&crew, chaos, error);
+    if (status == HAFT_OK) {
+#pragma omp parallel for schedule(dynamic, 16) num_threads(crew.threads)
+        for (size_t k = 0; k < n; k++) {
+            double x[N];
+            for (size_t i = 0; i < g; i++) {
+                double u = xi[k * g + i] = point_of(&r, k, i);
+                chaos_line line = haft_chaos_mixture_condition(
+                    &chaos->mixture, crew.work[omp_get_thread_num()], i, x);
+                x[i] = eta[k * g + order[i]] = haft_chaos_line_quantile(&line, u, 1 - u);
+            }
+        }
     }
-    haft_chaos_expand(chaos, germ, eta);
-    for (size_t i = 0; i < chaos->parts.components; i++) {
-        expanded[i] = eta[chaos->parts.component_order[i]];
+    haft_chaos_crew_clear(&crew);
+    return status;
+}
+
+void haft_chaos_relmise(const haft_chaos *chaos, size_t n, const double *xi, const double *eta,
+                        double *each, double *total) {
+    size_t g = chaos->parts.components;
+    const size_t *order = chaos->parts.component_order;
+    squares s = {{0}, {0}};
+    for (size_t k = 0; k < n; k++) {
+        double germ[N], expanded[N];
+        for (size_t i = 0; i < g; i++) {
+            germ[i] = haft_chaos_germ_quantile(chaos->parts.germ, xi[k * g + i]);
+        }
+        haft_chaos_expand(chaos, germ, expanded);
+        for (size_t i = 0; i < g; i++) {
+            double exact = eta[k * g + order[i]], d = exact - expanded[order[i]];
+            s.error[i] += d * d;
+            s.size[i] += exact * exact;
+        }
     }
+    set_relmise(chaos, &s, each, total);
 }
 
 static haft_status measure_independent(const haft_chaos *chaos, size_t maps,
                                        haft_chaos_errors *errors, haft_error *error) {
     size_t g = chaos->parts.components;
-    recurrence r = make_recurrence(g);
-    squares s = {{0}, {0}};
-    chaos_crew crew;
-    double *exact = haft_memory_alloc(2 * maps * g, sizeof *exact, error);
-    haft_status status = haft_chaos_crew_init(&crew, chaos, error);
-    if (exact == NULL) {
-        status = HAFT_ERROR_MEMORY;
+    double *xi = haft_memory_alloc(2 * maps * g, sizeof *xi, error);
+    if (xi == NULL) {
+        return HAFT_ERROR_MEMORY;
     }
+    double *eta = xi + maps * g;
+    haft_status status = haft_chaos_map(chaos, maps, xi, eta, error);
     if (status == HAFT_OK) {
-        double *expanded = exact + maps * g;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(crew.threads)
-        for (size_t k = 0; k < maps; k++) {
-            map_point(chaos, crew.work[omp_get_thread_num()], &r, k, exact + k * g,
-                      expanded + k * g);
-        }
-        for (size_t k = 0; k < maps * g; k++) {
-            double d = exact[k] - expanded[k];
-            s.error[k % g] += d * d;
-            s.size[k % g] += exact[k] * exact[k];
-        }
-        set_relmise(chaos, &s, errors->relmise, &errors->relmise_total);
+        haft_chaos_relmise(chaos, maps, xi, eta, errors->relmise, &errors->relmise_total);
     }
-    haft_chaos_crew_clear(&crew);
-    haft_memory_free(exact);
+    haft_memory_free(xi);
     return status;
 }
 

@@ -139,10 +139,10 @@ static haft_status measure(haft_budget_term *term, haft_changed_set *set, const 
         take_reason(term, &own);
         return HAFT_OK;
     }
-    haft_comparison both;
+    haft_difference both;
     if (status == HAFT_OK) {
-        status = haft_study_compare(&both, side[0]->c, side[0]->beam, set->beams, side[1]->c,
-                                    side[1]->beam, set->beams, &own);
+        status = haft_study_differ(&both, side[0]->c, side[0]->beam, set->beams, side[1]->c,
+                                   side[1]->beam, set->beams, &own);
     }
     if (status != HAFT_OK) {
         return haft_error_set(error, status, "%s", own.message);

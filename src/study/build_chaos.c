@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The stochastic model of a case: the sound ones among its vectors, and its choices. */
-#include "haft/study.h"
+#include "stochastic.h"
 
 /* N_g is not known before the components are: rising order needs it, so it is asked for twice. */
-static haft_status create(haft_chaos **out, size_t m, const haft_law_vector *vector,
-                          const haft_case *c, haft_error *error) {
+haft_status haft_stochastic_create(haft_chaos **out, size_t m, const haft_law_vector *vector,
+                                   const haft_case *c, haft_error *error) {
     haft_chaos_spec spec = c->law.chaos.spec;
     spec.f_limit = c->law.f_limit;
     haft_status status = haft_chaos_create(out, m, vector, &spec, error);
@@ -33,7 +33,7 @@ haft_status haft_study_build_chaos(haft_laws *laws, const haft_case *c, haft_err
         }
     }
     haft_chaos_effort effort = {0};
-    haft_status status = create(&laws->chaos, m, sound, c, error);
+    haft_status status = haft_stochastic_create(&laws->chaos, m, sound, c, error);
     if (status == HAFT_OK) {
         status = haft_chaos_measure(laws->chaos, &effort, &laws->errors, error);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The data of a case's figures, as CSV that any plotting program reads. */
-#include "haft/study.h"
+#include "sheet.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,38 +12,7 @@ enum { CURVES = 10, SHAPES = 14, SHAPE_POINTS = 401, MAP_POINTS = 300 };
 /* Side of the piece of surface that is shown. */
 #define MAP_SIZE 6e-6
 
-/* A table of doubles with named columns, written and freed at once. */
-typedef struct table {
-    size_t rows, columns;
-    double *value;
-    haft_csv_column *column;
-} table;
-
-static haft_status make_table(table *t, size_t rows, size_t columns, haft_error *error) {
-    *t = (table){rows, columns, haft_memory_alloc(rows * columns, sizeof(double), error),
-                 haft_memory_alloc(columns, sizeof(haft_csv_column), error)};
-    for (size_t j = 0; t->value != NULL && t->column != NULL && j < columns; j++) {
-        t->column[j] = (haft_csv_column){"", t->value + j, columns, 1};
-    }
-    return t->value != NULL && t->column != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
-}
-
-static haft_status write_table(table *t, const char *directory, const char *name,
-                               haft_error *error) {
-    char path[4096];
-    int length = snprintf(path, sizeof path, "%s/%s", directory, name);
-    haft_status status = HAFT_OK;
-    if (length < 0 || (size_t)length >= sizeof path) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "the path of %s is too long", name);
-    } else {
-        status = haft_csv_write(path, t->rows, t->columns, t->column, error);
-    }
-    haft_memory_free(t->value);
-    haft_memory_free(t->column);
-    return status;
-}
-
-static void fill_map(table *t, const double *z, size_t rows, size_t columns, double step) {
+static void fill_map(haft_sheet *t, const double *z, size_t rows, size_t columns, double step) {
     for (size_t i = 0; i < MAP_POINTS; i++) {
         for (size_t j = 0; j < MAP_POINTS; j++) {
             size_t r = i * rows / MAP_POINTS, s = j * rows / MAP_POINTS;
@@ -62,7 +31,7 @@ static void fill_map(table *t, const double *z, size_t rows, size_t columns, dou
 static haft_status write_surface(const haft_case *c, const char *directory, haft_error *error) {
     haft_surface_plan *plan = NULL;
     haft_surface_work *work = NULL;
-    table t = {0};
+    haft_sheet t = {0};
     double *z = NULL;
     size_t patches = haft_study_block_patches(c);
     double step = c->surface.grid_step;
@@ -82,11 +51,11 @@ static haft_status write_surface(const haft_case *c, const char *directory, haft
         status = haft_surface_rows(work, 0, rows, z, error);
     }
     if (status == HAFT_OK) {
-        status = make_table(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error);
+        status = haft_sheet_make(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error);
     }
     if (status == HAFT_OK) {
         fill_map(&t, z, rows, columns, step);
-        status = write_table(&t, directory, "surface.csv", error);
+        status = haft_sheet_write(&t, directory, "surface.csv", error);
     }
     haft_memory_free(z);
     haft_surface_work_destroy(&work);
@@ -135,8 +104,8 @@ static haft_status write_curves(const haft_case *c, const haft_laws *laws, const
     size_t columns = 1 + 2 * s->count, n = laws->n > 0 ? laws->n : GRID;
     double span = c->contact.distance_to - c->contact.distance_from;
     char(*name)[32] = haft_memory_alloc(columns, sizeof *name, error);
-    table t = {0};
-    haft_status status = name == NULL ? HAFT_ERROR_MEMORY : make_table(&t, n, columns, error);
+    haft_sheet t = {0};
+    haft_status status = name == NULL ? HAFT_ERROR_MEMORY : haft_sheet_make(&t, n, columns, error);
     for (size_t i = 0; status == HAFT_OK && i < n; i++) {
         double *row = t.value + i * columns;
         double d = laws->n > 0 ? laws->distance[i]
@@ -156,7 +125,7 @@ static haft_status write_curves(const haft_case *c, const haft_laws *laws, const
             t.column[1 + 2 * k].name = name[1 + 2 * k];
             t.column[2 + 2 * k].name = name[2 + 2 * k];
         }
-        status = write_table(&t, directory, "laws.csv", error);
+        status = haft_sheet_write(&t, directory, "laws.csv", error);
     }
     haft_memory_free(name);
     return status;
@@ -167,8 +136,8 @@ static haft_status write_vectors(const haft_laws *laws, const shown *s, const ch
                                  haft_error *error) {
     static const char *const name[] = {"site",       "Morse",        "e [mJ/m2]",    "f_max [MPa]",
                                        "d_max [nm]", "d_limit [nm]", "f_limit [MPa]"};
-    table t = {0};
-    haft_status status = make_table(&t, s->count, 7, error);
+    haft_sheet t = {0};
+    haft_status status = haft_sheet_make(&t, s->count, 7, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -180,10 +149,8 @@ static haft_status write_vectors(const haft_laws *laws, const shown *s, const ch
                          laws->f_limit * 1e-6};
         memcpy(t.value + k * 7, row, sizeof row);
     }
-    for (size_t j = 0; j < 7; j++) {
-        t.column[j].name = name[j];
-    }
-    return write_table(&t, directory, "vectors.csv", error);
+    haft_sheet_name(&t, name);
+    return haft_sheet_write(&t, directory, "vectors.csv", error);
 }
 
 /* Ten curves, and what the solver or the model makes of each. */
@@ -278,8 +245,8 @@ static haft_status write_shapes(const haft_case *c, const haft_path *path,
                         find_greatest_jump(path, path->turn, last)};
     size_t loading = choose_states(path, 0, path->turn, landed[0], chosen);
     size_t n = loading + choose_states(path, path->turn, last, landed[1], chosen + loading);
-    table t = {0};
-    haft_status status = make_table(&t, n * SHAPE_POINTS, 7, error);
+    haft_sheet t = {0};
+    haft_status status = haft_sheet_make(&t, n * SHAPE_POINTS, 7, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -291,10 +258,8 @@ static haft_status write_shapes(const haft_case *c, const haft_path *path,
         double label[3] = {unloading, (double)(unloading ? k - loading : k), mark};
         fill_shape(t.value + k * SHAPE_POINTS * 7, c, &path->point[chosen[k]], s, chosen[k], label);
     }
-    for (size_t j = 0; j < 7; j++) {
-        t.column[j].name = name[j];
-    }
-    return write_table(&t, directory, "shapes.csv", error);
+    haft_sheet_name(&t, name);
+    return haft_sheet_write(&t, directory, "shapes.csv", error);
 }
 
 /* The accepted states, and before each landing the fold it left from, so that branches end where
@@ -306,8 +271,8 @@ static haft_status write_energy(const haft_path *path, const char *directory, ha
     for (size_t i = 0; i < path->points; i++) {
         rows += path->point[i].jump >= 0;
     }
-    table t = {0};
-    haft_status status = make_table(&t, rows, 5, error);
+    haft_sheet t = {0};
+    haft_status status = haft_sheet_make(&t, rows, 5, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -326,17 +291,15 @@ static haft_status write_energy(const haft_path *path, const char *directory, ha
         memcpy(row, state, sizeof state);
         row += 5;
     }
-    for (size_t j = 0; j < 5; j++) {
-        t.column[j].name = name[j];
-    }
-    return write_table(&t, directory, "energy.csv", error);
+    haft_sheet_name(&t, name);
+    return haft_sheet_write(&t, directory, "energy.csv", error);
 }
 
 enum { JUMP_COLUMNS = 10 };
 
 static haft_status write_jumps(const haft_path *path, const char *directory, haft_error *error) {
-    table t = {0};
-    haft_status status = make_table(&t, path->jumps, JUMP_COLUMNS, error);
+    haft_sheet t = {0};
+    haft_status status = haft_sheet_make(&t, path->jumps, JUMP_COLUMNS, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -364,10 +327,8 @@ static haft_status write_jumps(const haft_path *path, const char *directory, haf
                                        "dissipated [pJ]",
                                        "site",
                                        "sites switched"};
-    for (size_t j = 0; j < JUMP_COLUMNS; j++) {
-        t.column[j].name = name[j];
-    }
-    return write_table(&t, directory, "jumps.csv", error);
+    haft_sheet_name(&t, name);
+    return haft_sheet_write(&t, directory, "jumps.csv", error);
 }
 
 static haft_status write_path(const haft_case *c, const haft_laws *laws, const char *results_path,

@@ -150,7 +150,7 @@ haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, s
 
 haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants, const char *path,
                                    haft_error *error) {
-    enum { FACTS = 17, COLUMNS = 1 + HAFT_SWEPT_KEYS_MAX + FACTS };
+    enum { FACTS = 21, COLUMNS = 1 + HAFT_SWEPT_KEYS_MAX + FACTS };
     static const char *const fact[FACTS] = {"run",
                                             "stuck",
                                             "free",
@@ -167,7 +167,11 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
                                             "end influence [1]",
                                             "ledger error [1]",
                                             "paper [um]",
-                                            "measured [um]"};
+                                            "measured [um]",
+                                            "standard error [um]",
+                                            "free share [1]",
+                                            "over paper [1]",
+                                            "over measured [1]"};
     const struct haft_case_sweep *sweep = &variant[0].c->sweep;
     size_t columns = 1 + sweep->keys + FACTS;
     char name[HAFT_SWEPT_KEYS_MAX][HAFT_LABEL_CAPACITY];
@@ -205,7 +209,11 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
                                s->end_influence,
                                s->ledger_error,
                                variant[i].c->reference.paper_crack_length * 1e6,
-                               variant[i].c->reference.measured_crack_length * 1e6};
+                               variant[i].c->reference.measured_crack_length * 1e6,
+                               s->standard_error * 1e6,
+                               1 - s->stuck_share,
+                               s->mean / variant[i].c->reference.paper_crack_length - 1,
+                               s->mean / variant[i].c->reference.measured_crack_length - 1};
         row[0] = (double)i;
         memcpy(row + 1, variant[i].c->sweep.value, sweep->keys * sizeof *row);
         memcpy(row + 1 + sweep->keys, facts, sizeof facts);

@@ -7,10 +7,11 @@ static bool have_gnuplot(void) {
 }
 
 /* Each is a PNG picture with its end in place and something in it. */
-static void check_pictures(const case_folder *c, bool many) {
+static void check_pictures(const case_folder *c, bool many, bool one) {
     static const char *const names[] = {"surface", "laws",     "shapes",     "energy",
                                         "cracks",  "overview", "convergence"};
     assert_int_equal(exists(c, "out/plots/convergence.png"), many);
+    assert_int_equal(exists(c, "out/plots/correlation.png"), !one);
     for (size_t i = 0; i < sizeof names / sizeof *names - !many; i++) {
         char name[100], path[400];
         size_t size = 0;
@@ -39,7 +40,7 @@ static void a_run_is_drawn(void **state) {
     check_says(r.out, "out/plots");
     assert_string_equal(r.err, "");
     ran_free(&r);
-    check_pictures(&c, false);
+    check_pictures(&c, false, false);
     assert_false(exists(&c, "out/plots/hacked"));
     case_remove(&c);
 }
@@ -62,7 +63,7 @@ static void odd_runs_are_drawn_too(void **state) {
         ran r = run_expect(0, HAFT, ARGS("plot", c.path));
         assert_string_equal(r.err, "");
         ran_free(&r);
-        check_pictures(&c, i >= 2);
+        check_pictures(&c, i >= 2, i == 1);
         case_remove(&c);
     }
 }
@@ -108,11 +109,52 @@ static void any_realization_is_drawn(void **state) {
     free(shapes[1]);
 }
 
+/* Two runs of the same beams but for their load: the second is held against the first. */
+static void a_run_is_held_against_another(void **state) {
+    (void)state;
+    static const edit three[] = {{"realizations: 2", "realizations: 12"}, {0}};
+    static const edit other[] = {
+        {"realizations: 2", "realizations: 12"}, {"thickness: 1 um", "thickness: 1.1 um"}, {0}};
+    case_folder a = case_create(three), b = case_create(other);
+    ran r = run_expect(4, HAFT, ARGS("info", "--against", a.path, b.path));
+    check_says(r.err, "results.h5");
+    ran_free(&r);
+    must_run(HAFT, ARGS("run", "--quiet", a.path));
+    must_run(HAFT, ARGS("run", "--quiet", b.path));
+    r = run_expect(0, HAFT, ARGS("info", "--against", a.path, b.path));
+    check_says(r.out, "beams that stuck");
+    check_says(r.out, "Wasserstein-1 distance");
+    ran_free(&r);
+    r = run_expect(0, HAFT, ARGS("info", "--json", "--against", a.path, b.path));
+    check_says(r.out, "\"reference_stuck\": 12,\n  \"stuck\": 12,");
+    double shift = strtod(strstr(r.out, "mean_shift_m\": ") + 15, NULL);
+    assert_true(shift > 0 && shift < 20e-6); /* a stiffer beam sticks less far in */
+    ran_free(&r);
+    r = run_expect(0, HAFT, ARGS("info", "--json", "--against", a.path, a.path));
+    check_says(r.out, "\"mean_shift_m\": 0,");
+    check_says(r.out, "\"wasserstein_m\": 0,");
+    ran_free(&r);
+    if (have_gnuplot()) {
+        r = run_expect(0, HAFT, ARGS("plot", "--against", a.path, b.path));
+        assert_string_equal(r.err, "");
+        assert_true(exists(&b, "out/plots/against.png"));
+        assert_true(exists(&b, "out/plots/against.svg"));
+        ran_free(&r);
+    }
+    r = run_expect(2, HAFT, ARGS("run", "--against", a.path, b.path));
+    check_says(r.err, "--against belongs to info and plot, not to run");
+    ran_free(&r);
+    r = run_expect(4, HAFT, ARGS("info", "--against", "/nowhere", b.path));
+    check_says(r.err, "/nowhere");
+    ran_free(&r);
+    case_remove(&a);
+    case_remove(&b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_run_is_drawn),
-        cmocka_unit_test(odd_runs_are_drawn_too),
-        cmocka_unit_test(any_realization_is_drawn),
+        cmocka_unit_test(a_run_is_drawn),           cmocka_unit_test(odd_runs_are_drawn_too),
+        cmocka_unit_test(any_realization_is_drawn), cmocka_unit_test(a_run_is_held_against_another),
         cmocka_unit_test(what_is_missing_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -155,13 +155,51 @@ static void a_stochastic_case_is_drawn(void **state) {
     case_folder c = case_create(edits);
     char table[400], other[400];
     must_run(HAFT, ARGS("run", "--quiet", c.path));
-    must_run(HAFT, ARGS("plot", "--quiet", c.path));
-    assert_true(exists(&c, "out/plots/laws.png"));
+    static const char *const figures[] = {"laws",      "generated", "reduction", "components",
+                                          "marginals", "vectors",   "orders"};
+    ran r = run_expect(0, HAFT, ARGS("plot", c.path));
+    assert_string_equal(r.err, "");
+    ran_free(&r);
+    for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
+        char name[100];
+        snprintf(name, sizeof name, "out/plots/%s.png", figures[i]);
+        assert_true(exists(&c, name));
+        snprintf(name, sizeof name, "out/plots/%s.svg", figures[i]);
+        assert_true(exists(&c, name));
+    }
+    assert_false(exists(&c, "out/plots/correlation.png")); /* of independent patches: 0 */
     path_in(&c, "vectors.csv", other);
     assert_int_equal(rename(path_in(&c, "out/laws.csv", table), other), 0);
     must_run(HAFT_LAWS, ARGS("fit", "--quiet", "--force", c.path, other));
     must_run(HAFT, ARGS("run", "--quiet", "--force", c.path));
     must_run(HAFT, ARGS("plot", "--quiet", c.path));
+    case_remove(&c);
+}
+
+static void a_model_is_studied(void **state) {
+    (void)state;
+    static const edit edits[] = {SAMPLER("gpce"), {0}};
+    static const edit finer[] = {{"  sampler: explicit ", "  sampler: gpce\n  chaos: {vectors: 60, "
+                                                          "components: 3, order: 4}\n  #"},
+                                 {0}};
+    case_folder c = case_create(edits);
+    must_run(HAFT_LAWS, ARGS("build", "--quiet", c.path));
+    ran r = run_expect(0, HAFT_LAWS, ARGS("study", c.path));
+    check_says(r.out, "in 3 components; relMISE by 32768 maps");
+    check_says(r.out, "  hermite      14    680 ");
+    check_says(r.out, "Models of m of the vectors, mean over disjoint parts");
+    assert_null(strstr(r.out, "nan"));
+    ran_free(&r);
+    case_write(&c, finer);
+    r = run_expect(3, HAFT_LAWS, ARGS("study", c.path));
+    check_says(r.err, "was built from other inputs than the case has now");
+    ran_free(&r);
+    case_remove(&c);
+    c = case_create(NULL);
+    must_run(HAFT_LAWS, ARGS("build", "--quiet", c.path));
+    r = run_expect(3, HAFT_LAWS, ARGS("study", c.path));
+    check_says(r.err, "these laws hold no stochastic model to study; set law.sampler: gpce");
+    ran_free(&r);
     case_remove(&c);
 }
 
@@ -213,6 +251,7 @@ int main(void) {
         cmocka_unit_test(the_model_is_told_sampled_and_fitted),
         cmocka_unit_test(a_sample_is_drawn_from_the_case_s_own_model),
         cmocka_unit_test(a_stochastic_case_is_drawn),
+        cmocka_unit_test(a_model_is_studied),
         cmocka_unit_test(what_cannot_be_drawn_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

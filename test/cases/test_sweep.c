@@ -70,6 +70,42 @@ static void a_variant_is_what_it_would_be_alone(void **state) {
     case_remove(&alone);
 }
 
+/* What others found, a value a variant, stands beside ours with the difference. */
+static void variants_stand_beside_their_references(void **state) {
+    (void)state;
+    static const edit listed[] = {
+        {"  element_length: 3 um\n", ""},
+        {"  paper_crack_length: 219 um\n  measured_crack_length: 200 um\n", ""},
+        {"study:", "sweep:\n  reference.paper_crack_length: [10 um, 20 um]\n  "
+                   "beam.element_length: [3 um, 5 um]\nstudy:"},
+        {0}};
+    case_folder c = case_create(listed);
+    char path[400];
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    ran r = run_expect(0, HAFT, ARGS("info", c.path));
+    const char *at = strstr(r.out, "mean crack length at rest");
+    assert_non_null(at);
+    check_says(at, "element_length"); /* not the reference's key, though it comes first */
+    for (int i = 0; i < 2; i++) {
+        double paper, shift, share, ours, error, free_share;
+        const char *row = strstr(at, i == 0 ? "\n              3 um" : "\n              5 um");
+        assert_non_null(row);
+        assert_int_equal(sscanf(row, " %*s um %lf %lf %lf %lf %lf %lf", &ours, &error, &free_share,
+                                &paper, &shift, &share),
+                         6);
+        check_near(paper, 10 * (i + 1), 1e-9);
+        check_near(shift, ours - paper, 0.11);
+        check_near(share, 100 * (ours / paper - 1), 1.1);
+        check_near(free_share, 0, 0);
+        assert_true(error > 0);
+    }
+    ran_free(&r);
+    char *table = read_whole_file(path_in(&c, "out/sweep.csv", path), NULL);
+    check_says(table, "standard error [um],free share [1],over paper [1],over measured [1]\n");
+    free(table);
+    case_remove(&c);
+}
+
 static void laws_of_the_same_inputs_are_built_once(void **state) {
     (void)state;
     case_folder c = case_create(elements);
@@ -95,6 +131,8 @@ static void a_sweep_is_told_resumed_and_not_overwritten(void **state) {
     ran_free(&r);
     ran told = run_expect(0, HAFT, ARGS("info", c.path));
     check_says(told.out, "5 um");
+    check_says(told.out,
+               "mean crack length at rest of the beams that stuck"); /* it has references */
 
     /* a variant lost is all that a resume does */
     double kept = crack_of(path_in(&c, "out/01_element_length-5um/out/results.h5", path));
@@ -188,6 +226,7 @@ static void a_sweep_is_drawn(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_variant_is_what_it_would_be_alone),
+        cmocka_unit_test(variants_stand_beside_their_references),
         cmocka_unit_test(laws_of_the_same_inputs_are_built_once),
         cmocka_unit_test(a_sweep_is_told_resumed_and_not_overwritten),
         cmocka_unit_test(a_refused_sweep_changes_nothing),

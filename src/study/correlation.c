@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Spatial correlation along seamless surfaces. Realizations are independent, sites are not: so the
+ * error is found by leaving out one realization at a time (jackknife). What a realization gives to
+ * a lag are four sums, from which every estimate follows for any mean: the work is one pass. */
+#include "sheet.h"
+
+#include <math.h>
+
+/* Of the pairs of one realization at one lag: their number, sum of products, sum of both. */
+typedef struct sums {
+    double pairs, product, both;
+} sums;
+
+static void add(sums *to, const sums *from, double sign) {
+    to->pairs += sign * from->pairs;
+    to->product += sign * from->product;
+    to->both += sign * from->both;
+}
+
+/* Mean of (x - mean) (y - mean) over the pairs. */
+static double covariance(const sums *s, double mean) {
+    return (s->product - mean * s->both + mean * mean * s->pairs) / s->pairs;
+}
+
+/* At lag 0 every number is paired with itself: that gives mean and variance. */
+static double ratio(const sums *lag, const sums *self) {
+    double mean = 0.5 * self->both / self->pairs;
+    return covariance(lag, mean) / covariance(self, mean);
+}
+
+static sums sum_pairs(size_t sites, const double *x, size_t stride, size_t lag, double centre) {
+    sums s = {0};
+    for (size_t r = 0; r + lag < sites; r++) {
+        double a = x[r * stride] - centre, b = x[(r + lag) * stride] - centre;
+        if (isfinite(a) && isfinite(b)) {
+            s.pairs++;
+            s.product += a * b;
+            s.both += a + b;
+        }
+    }
+    return s;
+}
+
+/* Something near the mean, so that nothing is lost to cancellation. */
+static double find_centre(size_t n, const double *x, size_t stride) {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t k = 0; k < n; k++) {
+        if (isfinite(x[k * stride])) {
+            sum += x[k * stride];
+            count++;
+        }
+    }
+    return count > 0 ? sum / (double)count : 0;
+}
+
+static double jackknife(size_t realizations, size_t lags, const sums *each, const sums *all,
+                        size_t lag) {
+    double mean = 0, squares = 0, n = 0;
+    for (size_t j = 0; j < realizations; j++) {
+        sums l = all[lag], self = all[0];
+        add(&l, &each[j * (lags + 1) + lag], -1);
+        add(&self, &each[j * (lags + 1)], -1);
+        double value = ratio(&l, &self), delta = value - mean;
+        n++;
+        mean += delta / n;
+        squares += delta * (value - mean);
+    }
+    return realizations > 1 ? sqrt(squares * (n - 1) / n) : NAN;
+}
+
+haft_status haft_study_correlation(size_t realizations, size_t sites, const double *x,
+                                   size_t stride, size_t lags, haft_correlation *out,
+                                   haft_error *error) {
+    sums *each = haft_memory_alloc((realizations + 1) * (lags + 1), sizeof *each, error);
+    if (each == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    sums *all = each + realizations * (lags + 1);
+    double centre = find_centre(realizations * sites, x, stride);
+    for (size_t j = 0; j < realizations; j++) {
+        for (size_t l = 0; l <= lags; l++) {
+            sums s = sum_pairs(sites, x + j * sites * stride, stride, l, centre);
+            each[j * (lags + 1) + l] = s;
+            add(&all[l], &s, 1);
+        }
+    }
+    for (size_t l = 0; l <= lags; l++) {
+        out[l] = (haft_correlation){.value = ratio(&all[l], &all[0]),
+                                    .error = jackknife(realizations, lags, each, all, l),
+                                    .pairs = (size_t)all[l].pairs};
+    }
+    haft_memory_free(each);
+    return HAFT_OK;
+}
+
+haft_status haft_study_correlate_laws(const haft_laws *laws, size_t lags,
+                                      haft_correlation *const out[4], haft_error *error) {
+    const double *number[4] = {&laws->vector->e, &laws->vector->f_max, &laws->vector->d_max,
+                               &laws->vector->d_limit};
+    size_t stride = sizeof *laws->vector / sizeof(double);
+    haft_status status = HAFT_OK;
+    for (int i = 0; i < 4 && status == HAFT_OK; i++) {
+        status = haft_study_correlation(laws->m / laws->sites, laws->sites, number[i], stride, lags,
+                                        out[i], error);
+    }
+    return status;
+}
+
+haft_status haft_study_write_correlation(const haft_case *c, const haft_laws *laws,
+                                         const char *directory, haft_error *error) {
+    enum { COLUMNS = 14, MOST = 20 };
+    static const char *const name[COLUMNS] = {
+        "patches apart", "distance [um]", "e [1]",       "e low",       "e high",
+        "f_max [1]",     "f_max low",     "f_max high",  "d_max [1]",   "d_max low",
+        "d_max high",    "d_limit [1]",   "d_limit low", "d_limit high"};
+    haft_correlation value[4][MOST + 1], *out[4] = {value[0], value[1], value[2], value[3]};
+    size_t lags = laws->sites - 1 < MOST ? laws->sites - 1 : MOST, n = laws->m / laws->sites;
+    double confidence = c->stop.confidence > 0 ? c->stop.confidence : HAFT_STUDY_CONFIDENCE;
+    haft_sheet t;
+    haft_status status = haft_study_correlate_laws(laws, lags, out, error);
+    if (status == HAFT_OK) {
+        status = haft_sheet_make(&t, lags + 1, COLUMNS, error);
+    }
+    if (status != HAFT_OK) {
+        return status;
+    }
+    for (size_t l = 0; l <= lags; l++) {
+        double *row = t.value + l * COLUMNS;
+        row[0] = (double)l;
+        row[1] = (double)l * c->mesh.l_meso * 1e6;
+        for (int i = 0; i < 4; i++) {
+            haft_interval band = haft_study_mean_interval(
+                value[i][l].value, value[i][l].error * sqrt((double)n), n, confidence);
+            row[2 + 3 * i] = value[i][l].value;
+            row[3 + 3 * i] = band.low;
+            row[4 + 3 * i] = band.high;
+        }
+    }
+    haft_sheet_name(&t, name);
+    return haft_sheet_write(&t, directory, "correlation.csv", error);
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A table of doubles with named columns on its way into a CSV file. Private to this room. */
+#ifndef HAFT_STUDY_SHEET_H
+#define HAFT_STUDY_SHEET_H
+
+#include "haft/study.h"
+
+typedef struct haft_sheet {
+    size_t rows, columns;
+    double *value; /* [rows][columns] */
+    haft_csv_column *column;
+} haft_sheet;
+
+/* Makes room, all zero, columns unnamed. What it made is freed by haft_sheet_write() alone, or by
+ * haft_sheet_drop(). */
+haft_status haft_sheet_make(haft_sheet *t, size_t rows, size_t columns,
+                            haft_error *error) HAFT_MUST_CHECK;
+
+/* Names all columns. */
+void haft_sheet_name(haft_sheet *t, const char *const *name);
+
+/* Writes DIRECTORY/NAME and frees the table, whatever comes of it. */
+haft_status haft_sheet_write(haft_sheet *t, const char *directory, const char *name,
+                             haft_error *error) HAFT_MUST_CHECK;
+
+void haft_sheet_drop(haft_sheet *t);
+
+#endif
