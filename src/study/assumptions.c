@@ -35,7 +35,7 @@ static void find_scales(haft_findings *out, const haft_evidence *e) {
                         .limit = LENGTHS_A_PATCH},
         "One force law stands for each patch, so a patch should hold many independent bits of "
         "surface. Its shorter side, %.3g µm, is %.2g correlation lengths of the roughness (%.3g "
-        "um, "
+        "µm, "
         "where the autocorrelation stays below 1 %%); %.0f or more count as apart.",
         patch * 1e6, ratio, e->correlation * 1e6, LENGTHS_A_PATCH);
 }
@@ -193,7 +193,8 @@ static void find_curves(haft_findings *out, const haft_evidence *e) {
         "Of %zu patches' force curves %zu have no Morse law (%zu of them leave the computed range "
         "of %.3g to %.3g nm). %s",
         e->laws->m, unfit, cut, e->c->contact.distance_from * 1e9, e->c->contact.distance_to * 1e9,
-        tables ? "All curves are used as they are."
+        unfit == 0 ? ""
+        : tables   ? "All curves are used as they are."
         : e->laws->chaos != NULL
             ? "Those were left out of the stochastic model."
             : "Those are used as they are, the others through their Morse laws.");

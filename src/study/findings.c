@@ -175,16 +175,20 @@ static void find_elements(haft_findings *out, const haft_evidence *e) {
 
 static void find_end(haft_findings *out, const haft_evidence *e) {
     double influence = e->statistics.end_influence;
-    haft_findings_add(out,
-                      &(haft_finding){.subject = "the beam is long enough",
-                                      .verdict = !(influence <= 0.1)      ? HAFT_VERDICT_BROKEN
-                                                 : influence <= END_BOUND ? HAFT_VERDICT_HOLDS
-                                                                          : HAFT_VERDICT_DOUBTFUL,
-                                      .value = influence,
-                                      .limit = END_BOUND},
-                      "Of a deflection at its free end, %.1e reach the crack's tip (bound %.0e): "
-                      "so little does the part beyond %.4g µm that is left out matter.",
-                      influence, END_BOUND, e->c->beam.length * 1e6);
+    haft_findings_add(
+        out,
+        &(haft_finding){.subject = "the beam is long enough",
+                        .verdict = !(influence <= 0.1)      ? HAFT_VERDICT_BROKEN
+                                   : influence <= END_BOUND ? HAFT_VERDICT_HOLDS
+                                                            : HAFT_VERDICT_DOUBTFUL,
+                        .value = influence,
+                        .limit = END_BOUND},
+        "Of a deflection at its free end, %.1e reach the crack's tip (bound %.0e). %s", influence,
+        END_BOUND,
+        influence <= END_BOUND
+            ? "So little does it matter what the beam is like beyond its modelled end."
+            : "If the real beam goes on beyond its modelled end, model more of it; if "
+              "it ends there, this is no error.");
 }
 
 /* ---- the sample ---- */
