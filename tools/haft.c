@@ -143,11 +143,21 @@ static void print_derived(const haft_case *c) {
            sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
     printf("  asperities           %.3g a um2, radius %.3g nm, heights %.3g nm (rms)\n",
            gw.density * 1e-12, gw.radius * 1e9, gw.summit_deviation * 1e9);
+    haft_physics physics = haft_case_physics(c);
+    printf("  forces               %s%s\n", haft_physics_name(physics),
+           c->contact.forces == HAFT_FORCES_AUTO ? ", chosen by humidity" : "");
     haft_capillary capillary;
-    if (c->contact.has_capillary &&
+    if (physics.capillary &&
         haft_capillary_from_spec(&capillary, &c->contact.capillary, NULL) == HAFT_OK) {
         printf("  capillary            %.3g MPa within %.3g nm\n", capillary.pressure * 1e-6,
                capillary.range * 1e9);
+    }
+    haft_contact_spec contact;
+    if (physics.vdw && haft_study_contact_spec(&contact, c, NULL) == HAFT_OK) {
+        printf("  van der Waals        %.4g mJ/m2, -%.4g MPa within %.3g nm, %s air, on %s\n",
+               contact.vdw.energy * 1e3, contact.vdw.stress * 1e-6, contact.vdw.range * 1e9,
+               physics.humid ? "humid" : "dry",
+               contact.path == HAFT_VDW_APPROACH ? "approach" : "separation");
     }
     printf("  beam                 bending stiffness %.4g N m2, %ld patches, %zu realizations\n",
            haft_beam_bending_stiffness(&c->beam), lround(c->beam.length / c->mesh.l_meso),

@@ -58,11 +58,29 @@ static void print_vectors(const haft_laws *laws) {
         take(&v[2], laws->vector[k].d_max);
         take(&v[3], laws->vector[k].d_limit);
     }
-    printf("  law vectors (push limit %.4g MPa)\n", laws->f_limit * 1e-6);
+    bool share = laws->f_limit < 0;
+    printf("  law vectors (push limit %.4g %s)\n", fabs(laws->f_limit) * (share ? 100 : 1e-6),
+           share ? "% of f_max" : "MPa");
     print_spread("energy e [mJ/m2]", v[0], 1e3, NULL);
     print_spread("greatest pull f_max [MPa]", v[1], 1e-6, NULL);
     print_spread("its distance d_max [nm]", v[2], 1e9, NULL);
     print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
+}
+
+/* What the Morse laws leave of those curves that are kept; nothing where vectors came without. */
+static void print_misfit(const haft_laws *laws) {
+    spread misfit = {0};
+    for (size_t k = 0; k < laws->m; k++) {
+        const double *curve = haft_laws_curve(laws, k);
+        haft_law law;
+        if (curve != NULL && laws->fault[k] == HAFT_LAW_SOUND &&
+            haft_law_morse(&law, &laws->vector[k], laws->f_limit) == HAFT_LAW_SOUND) {
+            take(&misfit, haft_law_misfit(&law, laws->n, laws->distance, curve));
+        }
+    }
+    if (laws->n > 0) {
+        print_spread("misfit of the Morse law [%]", misfit, 100, NULL);
+    }
 }
 
 /* One number of each component, a row. */
@@ -118,15 +136,23 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
     printf("%zu laws", laws->m);
     if (laws->chaos == NULL) {
         printf(", %zu a beam", laws->sites);
+        if (laws->first_site > 0) {
+            printf(" (the first %zu sites never come into range)", laws->first_site);
+        }
     }
     if (laws->n > 0) {
-        printf(", on %zu distances from %.4g to %.4g nm\n", laws->n, laws->distance[0] * 1e9,
+        printf(", on %zu distances from %.4g to %.4g nm", laws->n, laws->distance[0] * 1e9,
                laws->distance[laws->n - 1] * 1e9);
+        if (laws->curves < laws->m) {
+            printf("; %zu curves kept", laws->curves);
+        }
+        printf("\n");
         print_zero_force(laws, c);
     } else {
         printf(", vectors alone\n");
     }
     print_vectors(laws);
+    print_misfit(laws);
     size_t count[HAFT_LAW_FAULTS];
     haft_study_count_faults(laws, count);
     printf("  Morse law fits %zu of %zu", count[HAFT_LAW_SOUND], laws->m);

@@ -38,15 +38,18 @@ static void write_question(page *p, const source *s) {
               c->beam.gap * 1e6, c->beam.thickness * 1e6, c->beam.width * 1e6, c->beam.length * 1e6,
               c->mesh.load_position * 1e6, c->programme.crack_length * 1e6);
     page_markup(p, "</p>\n<p>");
-    if (c->contact.has_capillary) {
+    haft_physics physics = haft_case_physics(c);
+    page_text(p, "The surfaces are rough (%.3g nm rms). ",
+              sqrt(haft_psd_get_moments(&c->surface.psd).m0) * 1e9);
+    if (physics.capillary) {
         page_text(p,
-                  "The surfaces are rough (%.3g nm rms). At %.4g %% relative humidity water "
-                  "condenses between their highest points and pulls them together. ",
-                  sqrt(haft_psd_get_moments(&c->surface.psd).m0) * 1e9,
+                  "At %.4g %% relative humidity water condenses between their highest points and "
+                  "pulls them together. ",
                   100 * c->contact.capillary.humidity);
-    } else {
-        page_text(p, "The surfaces are rough (%.3g nm rms) and dry. ",
-                  sqrt(haft_psd_get_moments(&c->surface.psd).m0) * 1e9);
+    }
+    if (physics.vdw) {
+        page_text(p, "Van der Waals forces between them %s. ",
+                  physics.capillary ? "pull too" : "pull them together");
     }
     page_text(p,
               "As no two surfaces are the same, %zu beams were followed, each over surfaces of its "
@@ -290,7 +293,7 @@ static void write_figures(page *p, const source *s) {
          "The numbers of the laws: those drawn from the model against those of the "
          "patches.",
          MODEL},
-        {"vectors.svg", "The same in pairs: what the numbers of a law have to do with each other.",
+        {"vectors.svg", "How the model settles with the number of patches it is built from.",
          MODEL},
         {"orders.svg", "The error of the model's expansion against its order.", MODEL},
     };

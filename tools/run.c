@@ -33,7 +33,7 @@ static haft_status save_companions(void *user, const haft_summary *summary, cons
     if (status == HAFT_OK) {
         status = companion(path, folder, "laws.csv", error);
     }
-    if (status == HAFT_OK) {
+    if (status == HAFT_OK && laws != NULL) {
         status = save_laws_table(laws, folder, error);
     }
     if (status == HAFT_OK) {

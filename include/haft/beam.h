@@ -97,6 +97,10 @@ typedef struct haft_model {
     int *site_slot;    /**< and of a site's */
 } haft_model;
 
+/** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
+ *  laws of their own. 0 for the other meshes. Thread-safe. */
+size_t haft_mesh_inert_sites(const haft_beam_spec *beam, const haft_mesh_spec *mesh);
+
 /** Meshes a beam. @return HAFT_ERROR_INPUT where l_meso or element_length does not divide the
  * length (the message names the nearest that does) or the load is off the beam. */
 haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,

@@ -78,7 +78,7 @@ const char *haft_chaos_sampler_name(haft_chaos_sampler sampler);
 /** Choices of a model; all zeros but f_limit, order and epsilon (or components) is the default. */
 typedef struct haft_chaos_spec {
     haft_chaos_bounds bounds;
-    double f_limit;    /**< push that d_limit is defined by [Pa], > 0 */
+    double f_limit;    /**< push that d_limit is defined by, as haft_law_limit() takes it */
     size_t components; /**< N_g, 1 to 4; 0: the fewest that keep the error below epsilon */
     double epsilon;    /**< in (0, 1); read only if components is 0 (Eq. 32) */
     size_t component_order[HAFT_CHAOS_DIMENSION]; /**< the principal component that comes 1st, 2nd,
@@ -112,7 +112,7 @@ void haft_chaos_work_destroy(haft_chaos_work **work);
  *  orthonormal: the mean of the square of each under the germ's law is 1. */
 typedef struct haft_chaos_parts {
     haft_chaos_bounds bounds;
-    double f_limit;                          /**< [Pa] */
+    double f_limit;                          /**< as haft_law_limit() takes it */
     double sigma[HAFT_CHAOS_DIMENSION];      /**< standard deviations before division [1, 1, m,
                                               *   1; logarithms of SI numbers] (Eq. 25) */
     double mean[HAFT_CHAOS_DIMENSION];       /**< mean of q (Eq. 28) */

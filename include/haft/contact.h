@@ -36,6 +36,87 @@ haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_s
 /** Equivalent modulus of two elastic bodies, ((1-nu1^2)/E1 + (1-nu2^2)/E2)^-1 [Pa]. */
 double haft_contact_modulus(double young_1, double poisson_1, double young_2, double poisson_2);
 
+/** The molecules' attraction between two half-spaces of one kind. */
+typedef struct haft_vdw_spec {
+    double hamaker; /**< Hamaker constant of the bodies across what lies between them [J] */
+    double r0;      /**< distance of two atoms at which their potential is zero [m] */
+} haft_vdw_spec;
+
+/** The same as a constant stress of finite range (Dugdale), of equal energy. */
+typedef struct haft_vdw {
+    double energy; /**< w [J/m^2] */
+    double stress; /**< sigma_0 = w/h_0 [Pa], positive */
+    double range;  /**< h_0 [m] */
+} haft_vdw;
+
+/** w = H / (16 pi D_0^2), D_0 = (2/15)^(1/6) r0; h_0 = 0.97 2^(1/6) r0; sigma_0 = w/h_0.
+ *  Source: Hoang et al. (2017), Eq. 15. Their Tab. 1 follows but for the rounding of D_0 to 1.49 A,
+ *  which makes its w half a percent larger. Thread-safe.
+ *  @return HAFT_ERROR_INPUT unless both are positive. */
+haft_status haft_vdw_from_spec(haft_vdw *out, const haft_vdw_spec *spec,
+                               haft_error *error) HAFT_MUST_CHECK;
+
+/** Which of two forces a sphere has between its fold and the range of its attraction: that on the
+ *  way out, on which it holds on up to the fold, or that on the way in, on which it jumps. */
+typedef enum haft_vdw_path { HAFT_VDW_SEPARATION, HAFT_VDW_APPROACH } haft_vdw_path;
+
+/** Bounds of lambda and of |approach|, and the table's error in force and radius. */
+#define HAFT_MAUGIS_LAMBDA_LEAST 1e-4
+#define HAFT_MAUGIS_LAMBDA_MOST 1e2
+#define HAFT_MAUGIS_APPROACH_MOST 1e12
+#define HAFT_MAUGIS_ACCURACY 1e-8
+
+/** A sphere of radius R pressed on a plane by an approach (negative: not yet there), with adhesion
+ *  w, sigma_0 and modulus E, in the units
+ *
+ *      approach (9 pi^2 w^2 R / (16 E^2))^(1/3)    force pi w R, pushing positive
+ *      radius   (3 pi w R^2 / (4 E))^(1/3)         lambda = sigma_0 (9 R / (2 pi w E^2))^(1/3)
+ *
+ *  Touching, with m = c/a:
+ *      lambda a^2/2 [(m^2 - 2) arcsec m + sqrt(m^2 - 1)]
+ *          + 4 lambda^2 a/3 [sqrt(m^2 - 1) arcsec m - m + 1] = 1,
+ *      force = a^3 - lambda a^2 [sqrt(m^2 - 1) + m^2 arcsec m],
+ *      approach = a^2 - 4/3 lambda a sqrt(m^2 - 1);
+ *  not touching: force = -(pi/2) lambda c^2, approach = c^2/2 - 8/(3 pi) lambda c - 2/(pi lambda).
+ *  Source: Maugis (1992); Johnson and Greenwood (1997); Kim, McMeeking and Johnson (1998). */
+typedef struct haft_maugis {
+    double force, slope; /**< slope: by approach */
+    double radius;       /**< a of the contact; 0 if it does not touch */
+    double reach;        /**< c of the attraction */
+} haft_maugis;
+
+/** Approaches that part its branches; jump and touch do not depend on the way. */
+typedef struct haft_maugis_range {
+    double fold;  /**< on separation the sphere lets go */
+    double touch; /**< it comes into contact; fold where lambda is above 0.938 */
+    double jump;  /**< on approach it is caught, -2/(pi lambda) */
+} haft_maugis_range;
+
+/** Thread-safe. @return HAFT_ERROR_ARGUMENT for a lambda out of bounds. */
+haft_status haft_maugis_limits(haft_maugis_range *out, double lambda,
+                               haft_error *error) HAFT_MUST_CHECK;
+
+/** The equations solved, to rounding; all 0 beyond the reach of the attraction. Thread-safe.
+ *  @return HAFT_ERROR_ARGUMENT for a lambda or an approach out of bounds. */
+haft_status haft_maugis_solve(haft_maugis *out, double lambda, double approach, haft_vdw_path path,
+                              haft_error *error) HAFT_MUST_CHECK;
+
+/** Force and radius against lambda and approach, to be made once (a tenth of a second, a megabyte)
+ *  and shared by all threads. */
+typedef struct haft_maugis_table haft_maugis_table;
+haft_status haft_maugis_table_create(haft_maugis_table **out, haft_error *error) HAFT_MUST_CHECK;
+void haft_maugis_table_destroy(haft_maugis_table **table);
+
+/** The share of the table's cells that miss HAFT_MAUGIS_ACCURACY, all about lambda = 0.938, and are
+ *  solved directly instead. */
+double haft_maugis_table_gaps(const haft_maugis_table *table);
+
+/** Force, and the radius of contact into *radius, as haft_maugis_solve() gives them, to
+ *  HAFT_MAUGIS_ACCURACY (of pi w R and of the unit of radius). lambda is taken to the nearest
+ *  within bounds. Thread-safe. */
+double haft_maugis_lookup(const haft_maugis_table *table, double lambda, double approach,
+                          haft_vdw_path path, double *radius);
+
 /** What counts as one asperity. */
 typedef enum haft_asperity_model {
     /** Points above the lowest distance and not lower than any of their 8 neighbours (of equal
@@ -57,6 +138,10 @@ typedef struct haft_contact_spec {
     bool has_capillary;     /**< false: Hertz alone */
     double pressure;        /**< Laplace pressure [Pa], not positive */
     double capillary_range; /**< h_C [m] */
+    bool has_vdw;           /**< each asperity a Maugis sphere instead of a Hertzian one */
+    haft_vdw vdw;
+    haft_vdw_path path;
+    const haft_maugis_table *maugis; /**< borrowed; needed with has_vdw */
 } haft_contact_spec;
 
 /** A patch's answer at n >= 2 distances; arrays are the caller's, each of length n. Areas are

@@ -57,8 +57,24 @@ typedef enum haft_component_order {
     HAFT_COMPONENTS_RISING,  /**< the one of the smallest */
 } haft_component_order;
 
+/** Which curves laws.h5 keeps. */
+typedef enum haft_curves_kept {
+    HAFT_CURVES_ALL,
+    HAFT_CURVES_NEEDED, /**< those that the solver takes as tables, and those of the realizations
+                             that leave evidence; of a stochastic model's patches none */
+} haft_curves_kept;
+
 /** What is done with a curve that no Morse law fits. */
 typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
+
+/** Who says which forces act. */
+typedef enum haft_forces {
+    HAFT_FORCES_GIVEN, /**< the sections there are: contact.capillary, contact.vdw */
+    HAFT_FORCES_AUTO   /**< the humidity, as in the paper: see haft_case_physics() */
+} haft_forces;
+
+/** Below this humidity van der Waals forces are counted, if forces are chosen by it. */
+#define HAFT_VDW_HUMIDITY 0.55
 
 /** A resolved case: defaults filled in, everything in SI. */
 typedef struct haft_case {
@@ -78,14 +94,22 @@ typedef struct haft_case {
         double poisson_ratio; /**< of both bodies */
         double hardness;      /**< of the softer body [Pa], to judge asperities by; 0: not given */
         bool has_capillary;
-        haft_capillary_spec capillary;
+        haft_capillary_spec capillary; /**< its humidity may be 0 if forces are chosen by it */
+        haft_forces forces;
+        bool has_vdw;
+        struct {
+            double hamaker_dry, hamaker_humid; /**< through air, through water [J] */
+            double r0;                         /**< [m] */
+            haft_vdw_path path;
+        } vdw;
         double distance_from, distance_to,
             distance_step; /**< gaps at which f(d) is evaluated [m] */
     } contact;
 
     struct {
         haft_law_kind kind;
-        double f_limit; /**< [Pa] */
+        double f_limit;       /**< [Pa]; 0: by its share */
+        double f_limit_share; /**< of each curve's f_max; 0: by f_limit */
         haft_unfit unfit;
         haft_sampler sampler;
         struct {
@@ -114,6 +138,8 @@ typedef struct haft_case {
         size_t count;
         size_t *realization; /**< which realizations leave evidence; owned by the case */
     } evidence;
+
+    haft_curves_kept curves;
 
     /** Which variant of the file's sweep this is; a variant is a plain case, and its resolved text
      *  knows nothing of the sweep. */
@@ -144,8 +170,8 @@ typedef struct haft_case {
  *
  *  Absent: path, study.stop, output, reference, law.chaos and load.limit take their defaults
  *  (load_limit INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary
- *  false, its fields 0); beam.element_length is required for a uniform mesh alone (else 0).
- *  mesh.active_from is half of load.crack_length.
+ *  false, its fields 0); contact.vdw none of those forces (has_vdw false); beam.element_length is
+ * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 void haft_case_destroy(haft_case **c);
@@ -165,6 +191,21 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 /** Shall this realization leave evidence? */
 bool haft_case_wants_evidence(const haft_case *c, size_t realization);
 
+/** The forces that act in a case: those with a section of their own, or, if forces are chosen by
+ *  humidity, the capillary alone from HAFT_VDW_HUMIDITY up, both below it, van der Waals alone at
+ * 0. Source: Hoang et al. (2017), Sec. 5. */
+typedef struct haft_physics {
+    bool capillary, vdw;
+    bool humid; /**< the Hamaker constant is that through water */
+} haft_physics;
+haft_physics haft_case_physics(const haft_case *c);
+
+/** "capillary", "van der Waals", "capillary and van der Waals" or "contact alone". */
+const char *haft_physics_name(haft_physics physics);
+
+/** The limit push of a case's laws, as haft_law_limit() takes it. */
+double haft_case_limit(const haft_case *c);
+
 /** The last part of a swept key's path: "l_meso" of "beam.l_meso". */
 const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key);
 
@@ -176,22 +217,25 @@ haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) H
 haft_status haft_case_write(const haft_case *c, const char *path,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Digest of all that the laws depend on (surface, contact, f_limit, the beam's width, l_meso,
- * seed, the program's version; of a direct sampler the sampler, the beam's length and realizations;
- * of a stochastic one law.chaos, whichever it is): what must not change for laws.h5 to stay valid.
- */
+/** Digest of all that a law depends on (surface, contact, f_limit, the beam's width, l_meso, seed,
+ * the program's version; of a direct sampler which; of a stochastic one law.chaos, whichever it
+ * is): what must not change for laws.h5 to stay valid. How many beams there are, how long they are
+ * and where their active zone begins tells how many laws it must hold, not what they are. */
 haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
                                   haft_error *error) HAFT_MUST_CHECK;
 
-/** Contents of laws.h5: m curves on n distances with what was read off them, and the stochastic
- *  model built from them, if there is one. */
+/** Contents of laws.h5: m laws read off curves on n distances, the curves that are kept, and the
+ *  stochastic model built from the laws, if there is one. */
 typedef struct haft_laws {
     size_t m, n;
-    size_t sites;             /**< laws a realization: law k of realization j is j * sites + k; m
-                                   where a model was built from them */
-    double f_limit;           /**< [Pa] */
+    size_t sites;             /**< laws a realization; m where a model was built from them */
+    size_t first_site;        /**< law i of realization j is j * sites + i, and that of the site
+                                   first_site + i: those before never come into range */
+    double f_limit;           /**< as haft_law_limit() takes it */
     double *distance;         /**< n [m] */
-    double *force;            /**< m x n [Pa] */
+    size_t curves;            /**< kept, <= m */
+    int *curve_law;           /**< curves: which law each is of, rising; NULL: all are kept */
+    double *force;            /**< curves x n [Pa] */
     haft_law_vector *vector;  /**< m; NaN where the fault forbids it */
     haft_law_fault *fault;    /**< m */
     double *zero_distance;    /**< m: zero-force distance [m], NaN if none */
@@ -211,8 +255,27 @@ haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_cas
 haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_DIGEST_CAPACITY],
                            const char *path, haft_error *error) HAFT_MUST_CHECK;
 
+/** @return HAFT_ERROR_MEMORY; a set without distances has NaN for what is read off curves. */
 haft_status haft_laws_create(haft_laws **out, size_t m, size_t n,
                              haft_error *error) HAFT_MUST_CHECK;
+
+/** The same with room for some of the curves alone, at most INT_MAX laws; curve_law is to be
+ * filled in unless curves == m. */
+haft_status haft_laws_create_sparse(haft_laws **out, size_t m, size_t curves, size_t n,
+                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** The curve of law k, n forces; NULL if it is not kept. Thread-safe. */
+const double *haft_laws_curve(const haft_laws *laws, size_t k);
+
+/** A copy of the laws first .. first + count - 1 as one realization's, its first that of the same
+ *  site as `first`. @param[in] keep [count] whose curves are to be kept, of those there are */
+haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t first, size_t count,
+                             const bool *keep, haft_error *error) HAFT_MUST_CHECK;
+
+/** Puts realizations one after another: sets of one realization each, of as many sites on the same
+ *  distances. The sets are used up, each destroyed as soon as it is copied. */
+haft_status haft_laws_join(haft_laws **out, haft_laws **set, size_t count,
+                           haft_error *error) HAFT_MUST_CHECK;
 void haft_laws_destroy(haft_laws **laws);
 
 /** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it over
@@ -300,10 +363,11 @@ haft_status haft_part_create(haft_part **out, const char *folder, int rank, cons
 
 /** Appends one realization, whole or not at all, in any order. The kernel has it on return; the
  * disk within about a second of further appending, or at haft_part_close(). One thread at a time.
+ *  @param[in] laws its own, a set of one realization; NULL where they are drawn from a model
  *  @param[in] dofs unknowns of a state, where the path kept its states
  *  @return HAFT_ERROR_IO (a full disk too): what was appended before stays whole. */
 haft_status haft_part_append(haft_part *part, size_t realization, const haft_path *path,
-                             size_t dofs, const haft_summary *summary,
+                             size_t dofs, const haft_summary *summary, const haft_laws *laws,
                              haft_error *error) HAFT_MUST_CHECK;
 
 /** Flushes to the disk and closes, and removes a part that holds nothing; NULL is allowed. The
@@ -336,9 +400,11 @@ size_t haft_parts_found(const haft_parts *parts);
 bool haft_parts_has(const haft_parts *parts, size_t realization);
 
 /** Reads one realization back; its states too, if they were kept.
+ *  @param[out] laws may be NULL; *laws is NULL where none were kept with it
  *  @param[in] dofs unknowns a state must have */
-haft_status haft_parts_read(haft_path **out, haft_summary *summary, const haft_parts *parts,
-                            size_t realization, size_t dofs, haft_error *error) HAFT_MUST_CHECK;
+haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **laws,
+                            const haft_parts *parts, size_t realization, size_t dofs,
+                            haft_error *error) HAFT_MUST_CHECK;
 
 /** Deletes all parts. */
 haft_status haft_parts_clear(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;

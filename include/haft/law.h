@@ -35,6 +35,12 @@ typedef enum haft_law_fault {
 /** A short name of a fault ("two wells"), never NULL. */
 const char *haft_law_fault_name(haft_law_fault fault);
 
+/** The limit push f_limit of a law is a number of Pa, or a share of the law's own f_max: functions
+ *  take either as one number, a share as haft_law_share(share) = -share. Here is what it comes to
+ *  [Pa]: f_limit if positive, else -f_limit f_max. */
+double haft_law_limit(double f_limit, double f_max);
+double haft_law_share(double share);
+
 /** Share of f_max by which the pull must sink between two wells to count as a barrier, and that the
  *  last point's pull must be below. */
 #define HAFT_LAW_PROMINENCE 0.05
@@ -46,7 +52,7 @@ const char *haft_law_fault_name(haft_law_fault fault);
  *  first order in the step, f_max to second, e and d_limit to third. Of several faults the first
  *  is told: invalid, no attraction, range right, two wells, range left.
  *  @param[in] distance evenly increasing [m], n >= 4
- *  @param[in] f_limit the limit push [Pa], > 0
+ *  @param[in] f_limit the limit push as haft_law_limit() takes it, not 0
  *  @return the fault; *vector is set only if HAFT_LAW_SOUND. A Morse law may still refuse it
  *  (HAFT_LAW_BOUND): see haft_law_morse(). Thread-safe. */
 haft_law_fault haft_law_characterise(size_t n, const double *distance, const double *force,
@@ -121,6 +127,13 @@ double haft_law_reach(const haft_law *law, double share);
  *  law; of a table the same read off its steepest slope where it pulls, 4 f_max over that slope.
  *  Thread-safe. */
 double haft_law_range(const haft_law *law);
+
+/** The misfit of a law to the curve it stands for: integral |f_law - f| from the law's wall to the
+ *  curve's end, over that of the curve's pull, by the trapezoidal rule on its points. 0 for a law
+ *  that is the curve; 1 if as much energy is out of place as there is.
+ *  @param[in] distance increasing [m], n >= 2
+ *  @return no finite number for a curve that never pulls. Thread-safe. */
+double haft_law_misfit(const haft_law *law, size_t n, const double *distance, const double *force);
 
 #ifdef __cplusplus
 }

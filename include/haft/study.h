@@ -20,7 +20,8 @@ typedef struct haft_progress {
     void *user;
 } haft_progress;
 
-/** The capillary pressure and range and the equivalent modulus of a case. */
+/** What acts in a case's contacts: capillary, van der Waals forces, the equivalent modulus. The
+ * table that has_vdw needs is the caller's to make. */
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c,
                                     haft_error *error) HAFT_MUST_CHECK;
 
@@ -33,9 +34,10 @@ haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c,
  *  number of threads. 1 for independent patches. */
 size_t haft_study_block_patches(const haft_case *c);
 
-/** f(d) and law vector of every patch of every realization, in parallel over blocks; the same bits
- *  for any number of threads. With a stochastic sampler instead: those of law.chaos.vectors
- *  independent patches, and the model built from them.
+/** Law vector of every patch of every realization that can come into range, with the curves the
+ *  case keeps, in parallel over blocks and all in memory; the same bits for any number of threads.
+ *  With a stochastic sampler instead: those of law.chaos.vectors independent patches, and the model
+ *  built from them.
  *  @return HAFT_ERROR_INTERRUPTED if stopped, with *out NULL. */
 haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
                                   const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
@@ -45,8 +47,11 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
 haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
                                    const char *path, haft_error *error) HAFT_MUST_CHECK;
 
-/** Brings a case's laws into memory: reads `path` if it was built from the same inputs, else builds
- *  and writes it, saying why through `note`.
+/** Brings a case's laws into memory: reads `path` if it was built from the same inputs. Else a
+ * model is built and written, saying why through `note`; the laws of beams with surfaces of their
+ * own are left to haft_study_run().
+ *  @param[out] out NULL where there are none yet of beams' own; those that there are may lack some
+ *  realizations: see haft_study_has_laws()
  *  @param[out] digest of the inputs */
 haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],
                                    const haft_case *c, const char *path,
@@ -76,11 +81,26 @@ haft_status haft_study_draw(const haft_laws *laws, const haft_case *c, size_t re
 haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, size_t n,
                                     const char *path, haft_error *error) HAFT_MUST_CHECK;
 
-/** How many patches stand behind a case's laws: realizations times sites, or those of the model. */
+/** How many patches stand behind a case's laws: realizations times the sites that can come into
+ *  range, or those of the model. */
 size_t haft_study_law_count(const haft_case *c);
 
 /** Sites of a case's beam. */
 size_t haft_study_sites(const haft_case *c);
+
+/** The first of them that can come into range and has laws of its own; 0 where laws are drawn. */
+size_t haft_study_first_site(const haft_case *c);
+
+/** Whether laws (NULL: none), built from the case's inputs for its beams' own surfaces, hold all
+ * the sites of a realization that can come into range; and with all the curves its solver takes.
+ *  Thread-safe. */
+bool haft_study_has_sites(const haft_case *c, const haft_laws *laws, size_t realization);
+bool haft_study_has_laws(const haft_case *c, const haft_laws *laws, size_t realization);
+
+/** A copy of one set of laws, which is a realization's or a model's patches, with such sites and
+ *  curves as the case keeps. @param[in] set number of the realization within `laws` */
+haft_status haft_study_take_laws(haft_laws **out, const haft_case *c, const haft_laws *laws,
+                                 size_t set, size_t realization, haft_error *error) HAFT_MUST_CHECK;
 
 /** How many laws of a set carry each fault. Thread-safe. */
 void haft_study_count_faults(const haft_laws *laws, size_t count[HAFT_LAW_FAULTS]);
@@ -93,7 +113,8 @@ typedef struct haft_site_laws {
     haft_law_vector *vector;
 } haft_site_laws;
 
-/** Those of the patches, or drawn from the model where the case's sampler is a stochastic one.
+/** Those of the patches, or drawn from the model where the case's sampler is a stochastic one. The
+ *  law of the active zone that reaches farthest stands for those of the sites before the zone.
  *  @return HAFT_ERROR_INPUT if a curve cannot be used and the case says stop, or if a drawn vector
  *  has no Morse law (as the paper's bounds allow), naming the site. Thread-safe. */
 haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
@@ -140,12 +161,17 @@ typedef enum haft_run_mode {
 } haft_run_mode;
 
 /** Runs the realizations of a case over OpenMP threads, and over ranks where there are several: all
- *  call it with the same arguments and see the same files; rank 0 builds the laws, hands out the
- *  realizations one by one, tells progress, and makes the results; the others return HAFT_OK with
- *  nothing to tell, or HAFT_ERROR_INTERRUPTED where rank 0 returns a failure. Each realization is
- * appended to a part file as soon as it is done, so that a run ended by whatever means loses only
- * what was in work; at the end the parts become the results file, in order of realization, and go.
- * The same bits for any number of threads, ranks and interruptions, but for /summary/seconds.
+ *  call it with the same arguments and see the same files; rank 0 builds the model that
+ *  laws are drawn from, hands out the realizations one by one, tells progress, and makes the
+ * results; the others return HAFT_OK with nothing to tell, or HAFT_ERROR_INTERRUPTED where rank 0
+ * returns a failure. Where beams have laws of their own, those that laws.h5 does not hold are built
+ * by whoever follows the beam, just before. Each realization is appended to a part file, its laws
+ * with it, as soon as it is done, so that a run ended by whatever means loses only what was in
+ * work; at the end the parts become the laws and results files, in order of realization, and go.
+ * (Fewer beams than threads, of one process and without a stop rule, have their laws built by all
+ * threads together first.) The same bits for any number of threads, ranks and interruptions, but
+ * for /summary/seconds; but laws.h5 may keep more beams' laws than a run needs if they were there
+ * before.
  *
  *  Stop rule (case key study.stop.crack_length_mean): the run needs only the realizations 0 to n-1,
  *  n the least multiple of HAFT_STOP_STRIDE from HAFT_STOP_LEAST on for which half the width of the

@@ -46,9 +46,8 @@ static double site_position(double length, size_t sites, size_t r) {
     return length * ((double)r + 0.5) / (double)sites;
 }
 
-/* Sites that an active mesh leaves out. */
-static size_t count_inert(const haft_beam_spec *beam, const haft_mesh_spec *mesh, size_t sites) {
-    size_t r = 0;
+size_t haft_mesh_inert_sites(const haft_beam_spec *beam, const haft_mesh_spec *mesh) {
+    size_t r = 0, sites = (size_t)llround(beam->length / mesh->l_meso);
     while (mesh->kind == HAFT_MESH_ACTIVE && r < sites &&
            site_position(beam->length, sites, r) < mesh->active_from) {
         r++;
@@ -67,7 +66,7 @@ static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec
         }
     }
     double *x = haft_memory_alloc(elements + sites + 3, sizeof *x, error);
-    size_t inert = count_inert(beam, mesh, sites);
+    size_t inert = haft_mesh_inert_sites(beam, mesh);
     if (x == NULL) {
         return HAFT_ERROR_MEMORY;
     }
@@ -216,7 +215,7 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
         .elements = nodes - 1,
         .element = parts->element,
         .sites = sites,
-        .inert = count_inert(beam, mesh, sites),
+        .inert = haft_mesh_inert_sites(beam, mesh),
         .site = parts->site,
         .load = make_point(parts->x, nodes, parts->node_scale, mesh->load_position, beam->gap),
     };

@@ -96,11 +96,12 @@ static haft_status check_vectors(size_t m, const haft_law_vector *vector,
         }
         double left = haft_chaos_left_energy(&v, spec->f_limit);
         if (spec->bounds == HAFT_CHAOS_BOUNDS_STRICT && !(v.e > left)) {
-            return haft_error_set(error, HAFT_ERROR_INPUT,
-                                  "law vector %zu of %zu has e = %g J/m2, not above the %g J/m2 of "
-                                  "its left wing at f_limit = %g Pa: leave it out, lower f_limit "
-                                  "or take the paper's bounds",
-                                  k, m, v.e, left, spec->f_limit);
+            return haft_error_set(
+                error, HAFT_ERROR_INPUT,
+                "law vector %zu of %zu has e = %g J/m2, not above the %g J/m2 of "
+                "its left wing, which ends at a push of %g Pa: leave it out, lower f_limit "
+                "or take the paper's bounds",
+                k, m, v.e, left, haft_law_limit(spec->f_limit, v.f_max));
         }
     }
     return HAFT_OK;
@@ -113,9 +114,12 @@ static haft_status check_spec(const haft_chaos_spec *s, haft_error *error) {
                               "bounds %d, kernel %d or germ %d is none there is; 0 is always one",
                               (int)s->bounds, (int)s->kernel, (int)s->germ);
     }
-    if (!(s->f_limit > 0) || !isfinite(s->f_limit)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT, "f_limit = %g Pa; it must be positive",
-                              s->f_limit);
+    if (s->f_limit == 0 || !isfinite(s->f_limit)) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "f_limit = %g; it must be a positive push in Pa, or less than 0 for a share of "
+            "f_max",
+            s->f_limit);
     }
     if (s->components > N) {
         return haft_error_set(error, HAFT_ERROR_INPUT,

@@ -57,7 +57,7 @@ static haft_status check_positive(const char *name, size_t i, double value, haft
 }
 
 static haft_status check_scalars(const haft_chaos_parts *p, haft_error *error) {
-    haft_status status = check_positive("f_limit", 0, p->f_limit, error);
+    haft_status status = check_positive("f_limit", 0, fabs(p->f_limit), error);
     if (status == HAFT_OK && !(p->bandwidth >= HAFT_CHAOS_LEAST_BANDWIDTH &&
                                p->bandwidth <= HAFT_CHAOS_GREATEST_BANDWIDTH)) {
         status =

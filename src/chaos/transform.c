@@ -11,7 +11,8 @@
 #define LOG_LIMIT 230.0
 
 double haft_chaos_left_energy(const haft_law_vector *v, double f_limit) {
-    double left = log1p(sqrt(1 + f_limit / v->f_max)) / (v->d_max - v->d_limit);
+    double left =
+        log1p(sqrt(1 + haft_law_limit(f_limit, v->f_max) / v->f_max)) / (v->d_max - v->d_limit);
     return v->f_max / (2 * left);
 }
 

@@ -201,10 +201,10 @@ static bool all_finite(const double *z, size_t n) {
 }
 
 /* The one pass; false if a height is not finite, the first of them in the row *row. */
-static bool scan(haft_contact_work *work, const haft_patch *patch, const haft_levels *distances,
+static bool scan(haft_contact_work *work, const haft_patch *patch, const haft_levels *levels,
                  const haft_levels *wet, size_t *above, size_t *row) {
     size_t points = patch->rows * patch->columns, found = 0;
-    memset(work->counts, 0, LANES * (distances->n + 1) * sizeof *work->counts);
+    memset(work->counts, 0, LANES * (levels->n + 1) * sizeof *work->counts);
     for (size_t start = 0; start < points; start += CHUNK) {
         size_t n = points - start < CHUNK ? points - start : CHUNK;
         const double *z = patch->z + start;
@@ -219,7 +219,7 @@ static bool scan(haft_contact_work *work, const haft_patch *patch, const haft_le
         if (wet != NULL) {
             count_wet(wet, z, n, work->counts);
         }
-        found += list_above(distances->at[0], z, (uint32_t)start, n, work->found + found);
+        found += list_above(levels->at[0], z, (uint32_t)start, n, work->found + found);
     }
     *above = found;
     return true;
@@ -260,6 +260,16 @@ static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
     }
 }
 
+/* Radii that asperities are taken to: a thousandth of a step, which no sampled asperity has, and
+ * what haft_contact_summits() gives a flat top. */
+static double least_radius(const haft_patch *patch) {
+    return 1e-3 * patch->step;
+}
+
+static double most_radius(const haft_patch *patch) {
+    return 1e3 * patch->step * hypot((double)patch->rows, (double)patch->columns);
+}
+
 haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec *spec,
                                const double *z, size_t rows, size_t columns, double step,
                                haft_curve *curve, haft_error *error) {
@@ -271,23 +281,30 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
     if (status != HAFT_OK) {
         return status;
     }
+    haft_adhesion adhesion = {0};
+    if (spec->has_vdw) {
+        status =
+            haft_adhesion_make(&adhesion, spec, least_radius(&patch), most_radius(&patch), error);
+    }
+    if (status != HAFT_OK) {
+        return status;
+    }
+    bool summits = spec->asperities == HAFT_ASPERITY_SUMMITS;
     size_t n = curve->n, above = 0, row = 0;
     double *data = work->level_data;
-    haft_levels distances = make_levels(data, curve, 0);
+    haft_levels levels = make_levels(data, curve, summits ? adhesion.reach : adhesion.range);
     /* The wet levels have done their work when the pass is over: their shares take their place. */
     double *wet_data = data + n + 1;
     haft_levels wet = make_levels(wet_data, curve, spec->has_capillary ? spec->capillary_range : 0);
-    if (!scan(work, &patch, &distances, spec->has_capillary ? &wet : NULL, &above, &row)) {
+    if (!scan(work, &patch, &levels, spec->has_capillary ? &wet : NULL, &above, &row)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "a height in row %zu of the patch is not finite", row);
     }
     share_wet(work, &patch, n, wet_data);
     haft_tally tally = {data + 2 * (n + 1), data + 3 * (n + 1), data + 4 * (n + 1)};
-    if (spec->asperities == HAFT_ASPERITY_SUMMITS) {
-        haft_contact_summits(work, &patch, &distances, above, &tally);
-    } else {
-        haft_contact_islands(work, &patch, &distances, above, &tally);
-    }
+    const haft_adhesion *given = spec->has_vdw ? &adhesion : NULL;
+    (summits ? haft_contact_summits : haft_contact_islands)(work, &patch, &levels, above, given,
+                                                            &tally);
     put_together(spec, &patch, &tally, wet_data, curve);
     return HAFT_OK;
 }

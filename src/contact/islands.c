@@ -88,6 +88,33 @@ static void add_up(islands *all, double depth, double *push, double *points) {
     *points = covered;
 }
 
+/* The same with each island a Maugis sphere. Its pull is at most the adhesive strength over its
+ * area, which is all that is within range, and what a rigid paraboloid has: else an island of one
+ * point a hair above the level, whose radius has no bound, would pull without bound. */
+static void add_spheres(islands *all, double depth, double step, const haft_adhesion *adhesion,
+                        double *push, double *area, double *number) {
+    double sum = 0, covered = 0, touching = 0;
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < all->alive; k++) {
+        uint32_t island = all->live[k];
+        if (all->parent[island] != island) {
+            continue;
+        }
+        all->live[kept++] = island;
+        double n = all->count[island], base = n * step * step;
+        double mean = fmax(all->sum[island] / n - depth, 0);
+        haft_sphere sphere = haft_adhesion_sphere(adhesion, base / (4 * M_PI * mean));
+        double contact, force = haft_sphere_force(&sphere, 2 * mean - adhesion->range, &contact);
+        sum += fmax(force, -adhesion->strength * base);
+        covered += fmin(contact, base);
+        touching += contact > 0;
+    }
+    all->alive = kept;
+    *push = sum;
+    *area = covered;
+    *number = touching;
+}
+
 /* The points of a bunch lie far apart: what the coming ones need is asked of memory in time. */
 enum { AHEAD = 12 };
 static inline void call_up(const islands *all, const haft_patch *patch, uint32_t point) {
@@ -120,10 +147,11 @@ static void make_bunches(haft_contact_work *work, const haft_patch *patch,
 }
 
 void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
-                          const haft_levels *distances, size_t n, const haft_tally *tally) {
+                          const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
+                          const haft_tally *tally) {
     uint32_t *order = work->spare;
-    make_bunches(work, patch, distances, n, order);
-    const uint32_t *end = work->counts + distances->n + 1;
+    make_bunches(work, patch, levels, n, order);
+    const uint32_t *end = work->counts + levels->n + 1;
     size_t pitch = patch->columns + 1; /* one empty point ends a row and begins the next */
     islands all = {.label = work->found,
                    .parent = work->top_parent,
@@ -131,10 +159,10 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
                    .live = work->top_live,
                    .sum = work->top_a};
     memset(all.label, 0, (pitch * (patch->rows + 2) + 1) * sizeof *all.label);
-    double lowest = distances->at[0], step = patch->step;
+    double lowest = levels->at[0], step = patch->step;
     uint32_t columns = (uint32_t)patch->columns;
     size_t k = 0;
-    for (size_t level = distances->n; level-- > 0;) {
+    for (size_t level = levels->n; level-- > 0;) {
         for (; k < end[level + 1]; k++) {
             if (k + AHEAD < n) {
                 call_up(&all, patch, order[k + AHEAD]);
@@ -142,8 +170,13 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
             uint32_t point = order[k];
             add_point(&all, point + point / columns + pitch + 1, pitch, patch->z[point] - lowest);
         }
-        double push = 0, points = 0;
-        add_up(&all, distances->at[level] - lowest, &push, &points);
+        double depth = levels->at[level] - lowest, push = 0, points = 0;
+        if (adhesion != NULL) {
+            add_spheres(&all, depth, step, adhesion, &tally->push[level], &tally->area[level],
+                        &tally->number[level]);
+            continue;
+        }
+        add_up(&all, depth, &push, &points);
         tally->push[level] = sqrt(2 / M_PI) * step * push;
         tally->area[level] = 0.5 * step * step * points;
         tally->number[level] = all.alive;

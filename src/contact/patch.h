@@ -3,7 +3,7 @@
 #ifndef HAFT_CONTACT_PATCH_H
 #define HAFT_CONTACT_PATCH_H
 
-#include "haft/contact.h"
+#include "contact/vdw.h"
 
 typedef struct haft_patch {
     const double *z;
@@ -31,8 +31,8 @@ static inline size_t haft_levels_below(const haft_levels *levels, double z) {
 
 /* What the asperities sum to at each distance. */
 typedef struct haft_tally {
-    double *push;   /* sum of sqrt(R) (z_s - d)^(3/2) [m^2] */
-    double *area;   /* sum of pi R (z_s - d) [m^2] */
+    double *push;   /* sum of forces over 4/3 of the modulus, sqrt(R) (z_s - d)^(3/2) each [m^2] */
+    double *area;   /* sum of contact areas, pi R (z_s - d) each [m^2] */
     double *number; /* asperities in contact */
 } haft_tally;
 
@@ -52,10 +52,14 @@ struct haft_contact_work {
     uint32_t *top_count, *top_parent, *top_live;
 };
 
-/* The tally of either model from the points work->found[0 .. n - 1]; they may overwrite found. */
+/* The tally of either model from the points work->found[0 .. n - 1], those above levels->at[0];
+ * they may overwrite found. Without adhesion the levels are the distances; with it, as far below
+ * them as an asperity still is felt: reach for summits, range for islands. */
 void haft_contact_summits(haft_contact_work *work, const haft_patch *patch,
-                          const haft_levels *distances, size_t n, const haft_tally *tally);
+                          const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
+                          const haft_tally *tally);
 void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
-                          const haft_levels *distances, size_t n, const haft_tally *tally);
+                          const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
+                          const haft_tally *tally);
 
 #endif

@@ -120,9 +120,9 @@ static bool measure(const haft_patch *patch, size_t i, size_t j, summit *out) {
     out->radius = bend > 0 ? fmin(patch->step * patch->step / bend, flat) : flat;
     return true;
 }
-/* Writes the summits in the order of the scan and counts them by how many distances they exceed. */
-static size_t collect(haft_contact_work *work, const haft_patch *patch,
-                      const haft_levels *distances, size_t n, summit *out, uint32_t *counts) {
+/* Writes the summits in the order of the scan and counts them by how many levels they exceed. */
+static size_t collect(haft_contact_work *work, const haft_patch *patch, const haft_levels *levels,
+                      size_t n, summit *out, uint32_t *counts) {
     size_t columns = patch->columns, total = 0, row = 0, row_end = columns;
     for (size_t k = 0; k < n; k++) {
         size_t point = work->found[k];
@@ -131,35 +131,58 @@ static size_t collect(haft_contact_work *work, const haft_patch *patch,
             row_end += columns;
         }
         if (measure(patch, row, point + columns - row_end, &out[total])) {
-            counts[haft_levels_below(distances, out[total].height)]++;
+            counts[haft_levels_below(levels, out[total].height)]++;
             total++;
         }
     }
     return total;
 }
 
+/* Each summit a Maugis sphere, at all levels that feel it. */
+static void add_spheres(const summit *scan, size_t total, const haft_levels *levels,
+                        const haft_adhesion *adhesion, const haft_tally *tally) {
+    for (size_t j = 0; j < levels->n; j++) {
+        tally->push[j] = tally->area[j] = tally->number[j] = 0;
+    }
+    for (size_t k = 0; k < total; k++) {
+        haft_sphere sphere = haft_adhesion_sphere(adhesion, scan[k].radius);
+        double apex = scan[k].height - adhesion->reach;
+        for (size_t j = haft_levels_below(levels, scan[k].height); j-- > 0;) {
+            double area, force = haft_sphere_force(&sphere, apex - levels->at[j], &area);
+            tally->push[j] += force;
+            tally->area[j] += area;
+            tally->number[j] += area > 0;
+        }
+    }
+}
+
 void haft_contact_summits(haft_contact_work *work, const haft_patch *patch,
-                          const haft_levels *distances, size_t n, const haft_tally *tally) {
+                          const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
+                          const haft_tally *tally) {
     summit *scan = work->spare;
     double *height = work->top_a, *root = work->top_b;
-    uint32_t *counts = work->counts, *next = work->counts + distances->n + 1;
-    memset(counts, 0, (distances->n + 1) * sizeof *counts);
-    size_t total = collect(work, patch, distances, n, scan, counts);
+    uint32_t *counts = work->counts, *next = work->counts + levels->n + 1;
+    memset(counts, 0, (levels->n + 1) * sizeof *counts);
+    size_t total = collect(work, patch, levels, n, scan, counts);
+    if (adhesion != NULL) {
+        add_spheres(scan, total, levels, adhesion, tally);
+        return;
+    }
     /* The highest first, so that those above any distance are a leading stretch. */
     uint32_t before = 0;
-    for (size_t level = distances->n + 1; level-- > 0;) {
+    for (size_t level = levels->n + 1; level-- > 0;) {
         next[level] = before;
         before += counts[level];
     }
     for (size_t k = 0; k < total; k++) {
-        size_t place = next[haft_levels_below(distances, scan[k].height)]++;
+        size_t place = next[haft_levels_below(levels, scan[k].height)]++;
         height[place] = scan[k].height;
         root[place] = sqrt(scan[k].radius);
     }
     size_t above = 0;
-    for (size_t level = distances->n; level-- > 0;) {
+    for (size_t level = levels->n; level-- > 0;) {
         above += counts[level + 1];
-        double d = distances->at[level], push = 0, area = 0;
+        double d = levels->at[level], push = 0, area = 0;
         for (size_t k = 0; k < above; k++) {
             double depth = height[k] - d;
             push += root[k] * (depth * sqrt(depth));

@@ -231,6 +231,41 @@ static void check_distance(haft_case_reader *reader) {
     }
 }
 
+static void check_forces(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    bool both = c->contact.has_capillary && c->contact.has_vdw;
+    if (!sound(reader, "contact.forces")) {
+        return;
+    }
+    if (c->contact.forces == HAFT_FORCES_AUTO && !both) {
+        WRONG(reader, "contact.forces",
+              "auto chooses between contact.capillary and contact.vdw by humidity, but there is no "
+              "section contact.%s; add it%s, or give forces: given",
+              c->contact.has_capillary ? "vdw" : "capillary",
+              c->contact.has_capillary ? " (\"vdw: {}\" is enough)" : "");
+    } else if (c->contact.forces == HAFT_FORCES_GIVEN && c->contact.has_capillary &&
+               given(reader, "contact.capillary.humidity") &&
+               !(c->contact.capillary.humidity > 0)) {
+        WRONG(reader, "contact.capillary.humidity",
+              "no water condenses in dry air; give a humidity above 0 %%, or leave "
+              "contact.capillary out for dry contact, or add \"forces: auto\" to contact, which "
+              "chooses by humidity");
+    }
+}
+
+static void check_limit(haft_case_reader *reader) {
+    bool push = given(reader, "law.f_limit"), share = given(reader, "law.f_limit_share");
+    if (push && share) {
+        WRONG(reader, "law.f_limit_share",
+              "stands beside f_limit, and only one can be the limit push; leave out one of them");
+    } else if (!push && !share && sound(reader, "law.f_limit") &&
+               sound(reader, "law.f_limit_share") && place(reader, "law.f_limit").line != 0) {
+        WRONG(reader, "law.f_limit",
+              "is missing; add \"f_limit: 5 MPa\", or \"f_limit_share: 20 %%\" of each curve's "
+              "greatest pull");
+    }
+}
+
 static void check_chaos(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     if (!sound(reader, "law.sampler") || !haft_sampler_is_stochastic(c->law.sampler)) {
@@ -285,6 +320,8 @@ void haft_case_cross_check(haft_case_reader *reader) {
     }
     check_load(reader);
     check_distance(reader);
+    check_forces(reader);
+    check_limit(reader);
     check_chaos(reader);
     check_stop(reader);
     check_evidence(reader);

@@ -19,6 +19,9 @@ static bool is_present(const haft_case *c, const haft_key *key) {
     if (!c->contact.has_capillary && haft_case_is_member(key->path, "contact.capillary")) {
         return false;
     }
+    if (!c->contact.has_vdw && haft_case_is_member(key->path, "contact.vdw")) {
+        return false;
+    }
     if (!haft_sampler_is_stochastic(c->law.sampler) &&
         haft_case_is_member(key->path, "law.chaos")) {
         return false;

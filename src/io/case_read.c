@@ -280,6 +280,8 @@ static void read_missing(haft_case_reader *reader) {
     }
     int capillary = haft_case_find_section("contact.capillary");
     reader->c->contact.has_capillary = reader->section_mark[capillary].line != 0;
+    int vdw = haft_case_find_section("contact.vdw");
+    reader->c->contact.has_vdw = reader->section_mark[vdw].line != 0;
 }
 
 static void read_document(haft_case_reader *reader, yaml_document_t *document) {

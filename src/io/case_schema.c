@@ -12,6 +12,8 @@
 #define SHARE .low = 0, .high = 1
 
 static const char *const asperities[] = {"summits", "islands", NULL};
+static const char *const forces[] = {"given", "auto", NULL};
+static const char *const vdw_paths[] = {"separation", "approach", NULL};
 static const char *const kinds[] = {"morse", "table", NULL};
 static const char *const unfits[] = {"table", "stop", NULL};
 static const char *const samplers[] = {"explicit", "patches",   "gpce", "exact",
@@ -20,6 +22,7 @@ static const char *const germs[] = {"legendre", "hermite", "jacobi", NULL};
 static const char *const kernels[] = {"scott", "preserving", NULL};
 static const char *const bounds[] = {"strict", "paper", NULL};
 static const char *const component_orders[] = {"falling", "rising", NULL};
+static const char *const curves[] = {"all", "needed", NULL};
 static const char *const meshes[] = {"uniform", "exact", "active", NULL};
 
 /* A choice is stored through an int, and a pair as two doubles in a row. */
@@ -28,7 +31,12 @@ _Static_assert(sizeof(haft_law_kind) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_unfit) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_sampler) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_mesh_kind) == sizeof(int), "enums are ints");
+_Static_assert(sizeof(haft_curves_kept) == sizeof(int), "enums are ints");
+_Static_assert(HAFT_CURVES_ALL == 0 && HAFT_CURVES_NEEDED == 1, "order of choices");
 _Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
+_Static_assert(HAFT_FORCES_GIVEN == 0 && HAFT_FORCES_AUTO == 1 && HAFT_VDW_SEPARATION == 0 &&
+                   HAFT_VDW_APPROACH == 1,
+               "order of choices");
 _Static_assert(HAFT_LAW_MORSE == 0 && HAFT_LAW_TABLE == 1, "order of choices");
 _Static_assert(HAFT_UNFIT_TABLE == 0 && HAFT_UNFIT_STOP == 1, "order of choices");
 _Static_assert(HAFT_SAMPLER_EXPLICIT == 0 && HAFT_SAMPLER_PATCHES == 1 && HAFT_SAMPLER_GPCE == 2 &&
@@ -50,6 +58,7 @@ const haft_section haft_case_sections[] = {
     {"surface", HAFT_SECTION_REQUIRED},
     {"contact", HAFT_SECTION_REQUIRED},
     {"contact.capillary", HAFT_SECTION_SWITCH},
+    {"contact.vdw", HAFT_SECTION_SWITCH},
     {"contact.distance", HAFT_SECTION_REQUIRED},
     {"law", HAFT_SECTION_REQUIRED},
     {"law.chaos", HAFT_SECTION_OPTIONAL},
@@ -105,7 +114,10 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.poisson_ratio), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.hardness", "Pa", POSITIVE, .fallback = "none", .example = "11 GPa",
          .offset = AT(contact.hardness)),
-    REAL("contact.capillary.humidity", "1", SHARE, .example = "85 %",
+    CHOICE("contact.forces", forces, .fallback = "given", .example = "given",
+           .offset = AT(contact.forces), .laws = HAFT_LAWS_ALWAYS),
+    /* 0 only where forces are chosen by it: see the cross checks. */
+    REAL("contact.capillary.humidity", "1", SHARE, .low_in = true, .example = "85 %",
          .offset = AT(contact.capillary.humidity), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.temperature", "K", POSITIVE, .fallback = "300 K", .example = "300 K",
          .offset = AT(contact.capillary.temperature), .laws = HAFT_LAWS_ALWAYS),
@@ -118,6 +130,15 @@ const haft_key haft_case_keys[] = {
     REAL("contact.capillary.contact_angles", "rad", .low = 0, .low_in = true,
          .high = 1.5707963267948966, .count = 2, .fallback = "0 deg", .example = "[0 deg, 0 deg]",
          .offset = AT(contact.capillary.contact_angle_1), .laws = HAFT_LAWS_ALWAYS),
+    REAL("contact.vdw.hamaker_dry", "J", POSITIVE, .fallback = "18.65e-20 J",
+         .example = "18.65e-20 J", .offset = AT(contact.vdw.hamaker_dry), .laws = HAFT_LAWS_ALWAYS),
+    REAL("contact.vdw.hamaker_humid", "J", POSITIVE, .fallback = "9.75e-20 J",
+         .example = "9.75e-20 J", .offset = AT(contact.vdw.hamaker_humid),
+         .laws = HAFT_LAWS_ALWAYS),
+    REAL("contact.vdw.r0", "m", POSITIVE, .fallback = "0.209 nm", .example = "0.209 nm",
+         .offset = AT(contact.vdw.r0), .laws = HAFT_LAWS_ALWAYS),
+    CHOICE("contact.vdw.path", vdw_paths, .fallback = "separation", .example = "separation",
+           .offset = AT(contact.vdw.path), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.from", "m", .low = 0, .low_in = true, .high = INFINITY,
          .example = "3 nm", .offset = AT(contact.distance_from), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.to", "m", POSITIVE, .example = "28 nm",
@@ -126,8 +147,11 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.distance_step), .laws = HAFT_LAWS_ALWAYS),
 
     CHOICE("law.kind", kinds, .example = "morse", .offset = AT(law.kind)),
-    REAL("law.f_limit", "Pa", POSITIVE, .example = "5 MPa", .offset = AT(law.f_limit),
-         .laws = HAFT_LAWS_ALWAYS),
+    /* One of the two: see the cross checks. */
+    REAL("law.f_limit", "Pa", POSITIVE, .fallback = "none", .example = "5 MPa",
+         .offset = AT(law.f_limit), .laws = HAFT_LAWS_ALWAYS),
+    REAL("law.f_limit_share", "1", POSITIVE, .fallback = "none", .example = "20 %",
+         .offset = AT(law.f_limit_share), .laws = HAFT_LAWS_ALWAYS),
     CHOICE("law.unfit", unfits, .fallback = "table", .example = "table", .offset = AT(law.unfit)),
     CHOICE("law.sampler", samplers, .fallback = "explicit", .example = "explicit",
            .offset = AT(law.sampler), .laws = HAFT_LAWS_DIRECT),
@@ -151,8 +175,7 @@ const haft_key haft_case_keys[] = {
     COUNT("law.chaos.points", .low = 0, .high = HAFT_CHAOS_POINTS_LIMIT, .fallback = "0",
           .example = "13", .offset = AT(law.chaos.spec.points), .laws = HAFT_LAWS_CHAOS),
 
-    REAL("beam.length", "m", POSITIVE, .example = "600 um", .offset = AT(beam.length),
-         .laws = HAFT_LAWS_DIRECT),
+    REAL("beam.length", "m", POSITIVE, .example = "600 um", .offset = AT(beam.length)),
     REAL("beam.width", "m", POSITIVE, .example = "30 um", .offset = AT(beam.width),
          .laws = HAFT_LAWS_ALWAYS),
     REAL("beam.thickness", "m", POSITIVE, .example = "2.62 um", .offset = AT(beam.thickness)),
@@ -186,8 +209,7 @@ const haft_key haft_case_keys[] = {
     COUNT("path.step_limit", .low = 1, .high = 1e12, .fallback = "200000", .example = "200000",
           .offset = AT(path.step_limit)),
 
-    COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations),
-          .laws = HAFT_LAWS_DIRECT),
+    COUNT("study.realizations", .low = 1, .high = 1e7, .example = "20", .offset = AT(realizations)),
     REAL("study.stop.crack_length_mean", "m", POSITIVE, .fallback = "none", .example = "0.5 um",
          .offset = AT(stop.crack_length_mean)),
     REAL("study.stop.confidence", "1", SHARE, .fallback = "95 %", .example = "95 %",
@@ -198,6 +220,7 @@ const haft_key haft_case_keys[] = {
      .fallback = "[]",
      .example = "[0]",
      .offset = AT(evidence)},
+    CHOICE("output.curves", curves, .fallback = "all", .example = "needed", .offset = AT(curves)),
 
     REAL("reference.paper_crack_length", "m", POSITIVE, .fallback = "none", .example = "219 um",
          .offset = AT(reference.paper_crack_length)),

@@ -98,7 +98,21 @@ void haft_hdf_read_real(haft_hdf *hdf, const char *object, const char *name, dou
 void haft_hdf_read_count(haft_hdf *hdf, const char *object, const char *name, uint64_t *value);
 
 /* Columns of law vectors. */
+/* The limit push as attributes `f_limit` and `f_limit_unit`: "Pa", or "f_max" of a share. */
+void haft_hdf_write_limit(haft_hdf *hdf, const char *object, double f_limit);
+void haft_hdf_read_limit(haft_hdf *hdf, const char *object, double *f_limit);
+
 extern const haft_hdf_column haft_hdf_vector_columns[HAFT_CHAOS_DIMENSION];
+
+/* ---- laws_set.c: numbers a curve of laws.h5, one row each ---- */
+
+typedef struct haft_laws_row {
+    const char *name, *unit, *description;
+    size_t member; /* offset of the pointer in haft_laws */
+} haft_laws_row;
+enum { HAFT_LAWS_ROWS = 4 };
+extern const haft_laws_row haft_laws_rows[HAFT_LAWS_ROWS];
+double *haft_laws_row_of(const haft_laws *laws, const haft_laws_row *row);
 
 /* ---- laws_chaos.c: the group /chaos of laws.h5 ---- */
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* laws.h5: curves of m patches on n distances and what was read off them. The reader trusts
- * nothing: a file that passes has consistent shapes, a rising grid and finite forces. */
+/* laws.h5: m laws, what they were read off, and such curves on n distances as are kept. The reader
+ * trusts nothing: a file that passes has consistent shapes, a rising grid and finite forces. */
 #include "hdf.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,77 +16,6 @@ const haft_hdf_column haft_hdf_vector_columns[HAFT_CHAOS_DIMENSION] = {
     {"d_limit", HAFT_HDF_REAL, offsetof(haft_law_vector, d_limit), "m",
      "gap at which the push reaches f_limit"},
 };
-
-/* Numbers a curve, one row each. */
-typedef struct curve_row {
-    const char *name, *unit, *description;
-    size_t member; /* offset of the pointer in haft_laws */
-} curve_row;
-static const curve_row curve_rows[] = {
-    {"zero_distance", "m", "greatest gap at which the force vanishes; NaN if there is none",
-     offsetof(haft_laws, zero_distance)},
-    {"contact_area", "1", "share of the area in contact there", offsetof(haft_laws, contact_area)},
-    {"wet_area", "1", "share of the area under menisci or in contact there",
-     offsetof(haft_laws, wet_area)},
-    {"asperities", "1", "asperities in contact there, a patch", offsetof(haft_laws, asperities)},
-};
-enum { CURVE_ROWS = sizeof curve_rows / sizeof *curve_rows };
-
-static double *row_of(const haft_laws *laws, const curve_row *row) {
-    double *values;
-    memcpy(&values, (const char *)laws + row->member, sizeof values);
-    return values;
-}
-
-haft_status haft_laws_create(haft_laws **out, size_t m, size_t n, haft_error *error) {
-    *out = NULL;
-    size_t size = 0;
-    if (__builtin_mul_overflow(m, n, &size)) {
-        return haft_error_set(error, HAFT_ERROR_MEMORY, "%zu laws of %zu points overflow", m, n);
-    }
-    haft_laws *laws = haft_memory_alloc(1, sizeof *laws, error);
-    if (laws == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    laws->m = m;
-    laws->n = n;
-    laws->distance = haft_memory_alloc(n, sizeof(double), error);
-    laws->force = haft_memory_alloc(size, sizeof(double), error);
-    laws->vector = haft_memory_alloc(m, sizeof *laws->vector, error);
-    laws->fault = haft_memory_alloc(m, sizeof *laws->fault, error);
-    laws->zero_distance = haft_memory_alloc(m, sizeof(double), error);
-    laws->contact_area = haft_memory_alloc(m, sizeof(double), error);
-    laws->wet_area = haft_memory_alloc(m, sizeof(double), error);
-    laws->asperities = haft_memory_alloc(m, sizeof(double), error);
-    if (!laws->distance || !laws->force || !laws->vector || !laws->fault || !laws->zero_distance ||
-        !laws->contact_area || !laws->wet_area || !laws->asperities) {
-        haft_laws_destroy(&laws);
-        return HAFT_ERROR_MEMORY;
-    }
-    for (size_t i = 0; n == 0 && i < CURVE_ROWS * m; i++) {
-        row_of(laws, &curve_rows[i / m])[i % m] = NAN; /* nothing to read off no curves */
-    }
-    *out = laws;
-    return HAFT_OK;
-}
-
-void haft_laws_destroy(haft_laws **laws) {
-    if (laws == NULL || *laws == NULL) {
-        return;
-    }
-    haft_laws *l = *laws;
-    haft_memory_free(l->distance);
-    haft_memory_free(l->force);
-    haft_memory_free(l->vector);
-    haft_memory_free(l->fault);
-    haft_memory_free(l->zero_distance);
-    haft_memory_free(l->contact_area);
-    haft_memory_free(l->wet_area);
-    haft_memory_free(l->asperities);
-    haft_chaos_destroy(&l->chaos);
-    haft_memory_free(l);
-    *laws = NULL;
-}
 
 /* ---- writing ---- */
 
@@ -105,17 +35,44 @@ static void write_fault(haft_hdf *hdf, const haft_laws *laws) {
 }
 
 static void write_curves(haft_hdf *hdf, const haft_laws *laws) {
-    hsize_t dims[2] = {laws->m, laws->n};
+    hsize_t dims[2] = {laws->curves, laws->n}, rows[1] = {laws->m};
     haft_hdf_write(hdf, "/curves/distance", HAFT_HDF_REAL, 1, dims + 1, laws->distance, "m",
                    "gap between the plane and the mean plane of the patch");
     haft_hdf_write(hdf, "/curves/force", HAFT_HDF_REAL, 2, dims, laws->force, "Pa",
                    "pressure of each patch at each distance, positive pushing apart");
-    for (int i = 0; i < CURVE_ROWS; i++) {
-        char path[64];
-        snprintf(path, sizeof path, "/curves/%s", curve_rows[i].name);
-        haft_hdf_write(hdf, path, HAFT_HDF_REAL, 1, dims, row_of(laws, &curve_rows[i]),
-                       curve_rows[i].unit, curve_rows[i].description);
+    if (laws->curve_law != NULL) {
+        haft_hdf_write(hdf, "/curves/law", HAFT_HDF_INT, 1, dims, laws->curve_law, "1",
+                       "the law that a curve of /curves/force is of, from 0; the other curves are "
+                       "not kept");
     }
+    for (int i = 0; i < HAFT_LAWS_ROWS; i++) {
+        const haft_laws_row *row = &haft_laws_rows[i];
+        char path[64];
+        snprintf(path, sizeof path, "/curves/%s", row->name);
+        haft_hdf_write(hdf, path, HAFT_HDF_REAL, 1, rows, haft_laws_row_of(laws, row), row->unit,
+                       row->description);
+    }
+}
+
+void haft_hdf_write_limit(haft_hdf *hdf, const char *object, double f_limit) {
+    haft_hdf_write_real(hdf, object, "f_limit", fabs(f_limit));
+    haft_hdf_write_text(hdf, object, "f_limit_unit", f_limit > 0 ? "Pa" : "f_max");
+}
+
+void haft_hdf_read_limit(haft_hdf *hdf, const char *object, double *f_limit) {
+    char *unit = NULL;
+    haft_hdf_read_real(hdf, object, "f_limit", f_limit);
+    haft_hdf_read_text(hdf, object, "f_limit_unit", &unit);
+    if (hdf->status == HAFT_OK) {
+        bool share = strcmp(unit, "f_max") == 0;
+        if (!share && strcmp(unit, "Pa") != 0) {
+            haft_hdf_refuse(hdf, "has an f_limit in \"%.40s\", neither Pa nor f_max", unit);
+        } else if (!(*f_limit > 0)) {
+            haft_hdf_refuse(hdf, "has an f_limit that is not above 0");
+        }
+        *f_limit = share ? haft_law_share(*f_limit) : *f_limit;
+    }
+    haft_memory_free(unit);
 }
 
 static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
@@ -125,9 +82,13 @@ static void write_laws(haft_hdf *hdf, const haft_laws *laws) {
     haft_hdf_write_columns(hdf, "/laws", HAFT_CHAOS_DIMENSION, haft_hdf_vector_columns,
                            laws->vector, sizeof *laws->vector, laws->m);
     write_fault(hdf, laws);
-    haft_hdf_write_real(hdf, "/laws", "f_limit", laws->f_limit);
-    haft_hdf_write_text(hdf, "/laws", "f_limit_unit", "Pa");
+    haft_hdf_write_limit(hdf, "/laws", laws->f_limit);
     haft_hdf_write_count(hdf, "/laws", "sites", laws->sites);
+    haft_hdf_write_count(hdf, "/laws", "first_site", laws->first_site);
+    haft_hdf_write_text(hdf, "/laws", "order",
+                        "law number j * sites + i is of site first_site + i of realization j, at x "
+                        "= (first_site + i + 1/2) l_meso from the clamp; where there is a model, "
+                        "the laws are those of the patches it was built from");
     haft_hdf_write_text(hdf, "/laws", "fitted_to", laws->origin);
     if (laws->chaos != NULL) {
         haft_laws_write_chaos(hdf, laws);
@@ -172,15 +133,23 @@ static void check_curves(haft_hdf *hdf, const haft_laws *laws) {
             return;
         }
     }
-    for (size_t i = 0; i < laws->m * laws->n; i++) {
+    for (size_t i = 0; i < laws->curves * laws->n; i++) {
         if (!isfinite(laws->force[i])) {
             haft_hdf_refuse(hdf, "has a force that is not finite, in curve %zu", i / laws->n);
             return;
         }
     }
-    for (size_t j = 0; j < CURVE_ROWS * laws->m; j++) {
-        const curve_row *row = &curve_rows[j / laws->m];
-        if (isinf(row_of(laws, row)[j % laws->m])) {
+    for (size_t i = 0; laws->curve_law != NULL && i < laws->curves; i++) {
+        int law = laws->curve_law[i], before = i == 0 ? -1 : laws->curve_law[i - 1];
+        if (law <= before || (size_t)law >= laws->m) {
+            haft_hdf_refuse(hdf, "has curves in /curves/law that are not of rising laws, at %zu",
+                            i);
+            return;
+        }
+    }
+    for (size_t j = 0; j < HAFT_LAWS_ROWS * laws->m; j++) {
+        const haft_laws_row *row = &haft_laws_rows[j / laws->m];
+        if (isinf(haft_laws_row_of(laws, row)[j % laws->m])) {
             haft_hdf_refuse(hdf, "has an infinite number in /curves/%s", row->name);
             return;
         }
@@ -205,37 +174,48 @@ static void check_vectors(haft_hdf *hdf, const haft_laws *laws) {
 }
 
 static void read_curves(haft_hdf *hdf, haft_laws *laws) {
-    size_t dims[2] = {laws->m, laws->n};
+    size_t dims[2] = {laws->curves, laws->n};
     haft_hdf_read(hdf, "/curves/distance", HAFT_HDF_REAL, 1, dims + 1, laws->distance);
     haft_hdf_read(hdf, "/curves/force", HAFT_HDF_REAL, 2, dims, laws->force);
-    for (int i = 0; i < CURVE_ROWS; i++) {
+    if (laws->curve_law != NULL) {
+        haft_hdf_read(hdf, "/curves/law", HAFT_HDF_INT, 1, dims, laws->curve_law);
+    }
+    for (int i = 0; i < HAFT_LAWS_ROWS; i++) {
         char path[64];
-        snprintf(path, sizeof path, "/curves/%s", curve_rows[i].name);
-        haft_hdf_read(hdf, path, HAFT_HDF_REAL, 1, dims, row_of(laws, &curve_rows[i]));
+        snprintf(path, sizeof path, "/curves/%s", haft_laws_rows[i].name);
+        haft_hdf_read(hdf, path, HAFT_HDF_REAL, 1, &laws->m,
+                      haft_laws_row_of(laws, &haft_laws_rows[i]));
     }
 }
 
-/* Makes room for what the file holds; a model fitted to vectors alone has no curves. */
+/* Makes room for what the file holds; a model fitted to vectors alone has no curves, and where some
+ * are left out /curves/law tells which are there. */
 static void create_read(haft_hdf *hdf, haft_laws **out) {
-    size_t dims[2] = {0, 0};
+    size_t curves[2] = {0, 0}, m = 0, kept = 0;
+    haft_hdf_shape(hdf, "/laws/fault", 1, &m);
+    if (hdf->status == HAFT_OK && (m == 0 || m > INT_MAX)) {
+        haft_hdf_refuse(hdf, m == 0 ? "holds no laws" : "holds too many laws");
+    }
     if (haft_hdf_has(hdf, "/curves/force") || !haft_hdf_has(hdf, "/chaos")) {
-        haft_hdf_shape(hdf, "/curves/force", 2, dims);
-        if (hdf->status == HAFT_OK && (dims[0] == 0 || dims[1] < 2)) {
-            haft_hdf_refuse(hdf, "holds no curves");
+        haft_hdf_shape(hdf, "/curves/force", 2, curves);
+        kept = m;
+        if (haft_hdf_has(hdf, "/curves/law")) {
+            haft_hdf_shape(hdf, "/curves/law", 1, &kept);
+        }
+        if (hdf->status == HAFT_OK && (curves[1] < 2 || curves[0] != kept || kept > m)) {
+            haft_hdf_refuse(hdf, "holds %zu curves of %zu points for %zu laws", curves[0],
+                            curves[1], m);
         }
     } else {
-        haft_hdf_shape(hdf, "/laws/fault", 1, dims);
-        if (hdf->status == HAFT_OK && dims[0] == 0) {
-            haft_hdf_refuse(hdf, "holds no laws");
-        }
+        kept = m;
     }
     if (hdf->status == HAFT_OK) {
-        hdf->status = haft_laws_create(out, dims[0], dims[1], hdf->error);
+        hdf->status = haft_laws_create_sparse(out, m, kept, curves[1], hdf->error);
     }
 }
 
 static void read_laws(haft_hdf *hdf, haft_laws **out) {
-    uint64_t sites = 0;
+    uint64_t sites = 0, first = 0;
     create_read(hdf, out);
     if (hdf->status != HAFT_OK) {
         return;
@@ -248,18 +228,25 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     haft_hdf_read_columns(hdf, "/laws", HAFT_CHAOS_DIMENSION, haft_hdf_vector_columns, laws->vector,
                           sizeof *laws->vector, laws->m);
     haft_hdf_read(hdf, "/laws/fault", HAFT_HDF_INT, 1, dims, laws->fault);
-    haft_hdf_read_real(hdf, "/laws", "f_limit", &laws->f_limit);
+    haft_hdf_read_limit(hdf, "/laws", &laws->f_limit);
     haft_hdf_read_count(hdf, "/laws", "sites", &sites);
+    if (hdf->status == HAFT_OK &&
+        H5Aexists_by_name(hdf->file, "/laws", "first_site", H5P_DEFAULT) > 0) {
+        haft_hdf_read_count(hdf, "/laws", "first_site", &first);
+    }
     if (hdf->status != HAFT_OK) {
         return;
     }
     if (sites == 0 || sites > laws->m || laws->m % sites != 0) {
         haft_hdf_refuse(hdf, "has %zu laws, no whole number of realizations of %llu sites", laws->m,
                         (unsigned long long)sites);
-    } else if (!(isfinite(laws->f_limit) && laws->f_limit > 0)) {
+    } else if (!isfinite(laws->f_limit) || laws->f_limit == 0) {
         haft_hdf_refuse(hdf, "has an f_limit that is not above 0");
+    } else if (first > INT_MAX) {
+        haft_hdf_refuse(hdf, "has a first site beyond all beams");
     }
     laws->sites = (size_t)sites;
+    laws->first_site = (size_t)first;
     check_curves(hdf, laws);
     check_vectors(hdf, laws);
     if (hdf->status == HAFT_OK && haft_hdf_has(hdf, "/chaos")) {

@@ -120,8 +120,7 @@ static void write_whole(haft_hdf *hdf, const haft_chaos_parts *p) {
     haft_hdf_write_text(hdf, "/chaos", "kernel", haft_chaos_kernel_name(p->kernel));
     haft_hdf_write_text(hdf, "/chaos", "germ", haft_chaos_germ_name(p->germ));
     haft_hdf_write_text(hdf, "/chaos", "expansion", NORMALISATION);
-    haft_hdf_write_real(hdf, "/chaos", "f_limit", p->f_limit);
-    haft_hdf_write_text(hdf, "/chaos", "f_limit_unit", "Pa");
+    haft_hdf_write_limit(hdf, "/chaos", p->f_limit);
     haft_hdf_write_real(hdf, "/chaos", "bandwidth", p->bandwidth);
     haft_hdf_write_count(hdf, "/chaos", "components", p->components);
     haft_hdf_write_count(hdf, "/chaos", "order", p->order);
@@ -185,7 +184,7 @@ static void read_scalars(haft_hdf *hdf, haft_chaos_parts *p) {
     p->bounds = (haft_chaos_bounds)read_choice(hdf, "bounds", bounds_name, 2);
     p->kernel = (haft_chaos_kernel)read_choice(hdf, "kernel", kernel_name, 2);
     p->germ = (haft_chaos_germ)read_choice(hdf, "germ", germ_name, 3);
-    haft_hdf_read_real(hdf, "/chaos", "f_limit", &p->f_limit);
+    haft_hdf_read_limit(hdf, "/chaos", &p->f_limit);
     haft_hdf_read_real(hdf, "/chaos", "bandwidth", &p->bandwidth);
     haft_hdf_read_count(hdf, "/chaos", "components", &components);
     haft_hdf_read_count(hdf, "/chaos", "order", &order);

@@ -3,14 +3,16 @@
  *
  * A head, the resolved case as text, then records one after another; numbers in the machine's own
  * byte order, which the head tells. A record is its head and its payload: haft_part_counts, then
- * row by row the columns of the summary, of the points and of the jumps, then the states. */
+ * row by row the columns of the summary, of the points and of the jumps, then the states, then the
+ * laws: their f_limit, vectors, faults and numbers a curve, then the distances, the laws the kept
+ * curves are of, and those curves. */
 #ifndef HAFT_IO_PARTS_H
 #define HAFT_IO_PARTS_H
 
 #include "hdf.h"
 
 enum {
-    HAFT_PART_LAYOUT = 1,
+    HAFT_PART_LAYOUT = 2,
     HAFT_PART_ORDER = 0x01020304,
     HAFT_PART_DIGITS = 32, /* of a digest, no final 0 */
 };
@@ -41,9 +43,10 @@ typedef struct haft_part_counts {
     uint64_t dofs; /* of a state; 0: none were kept */
     uint64_t turn, outcome;
     uint64_t steps, rejected, newton_iterations, factorizations, solves, folds, flow_steps;
+    uint64_t laws, first_site, curves, distances; /* 0: none were kept */
     double ledger_error, end_influence;
 } haft_part_counts;
-_Static_assert(sizeof(haft_part_counts) == 112, "no holes");
+_Static_assert(sizeof(haft_part_counts) == 144, "no holes");
 
 /* The head a part of this case has, and its text, which is freed with haft_memory_free(). */
 haft_status haft_part_make_head(haft_part_head *head, char **text, const haft_case *c,
@@ -58,5 +61,19 @@ size_t haft_part_row_size(size_t columns, const haft_hdf_column *column);
 
 /* Bytes of a payload with these counts; 0 if there can be none so large. */
 size_t haft_part_payload_size(const haft_part_counts *counts);
+
+/* ---- parts_laws.c: a realization's laws at the end of its payload ---- */
+
+/* Sets what the counts tell of them; laws may be NULL. */
+void haft_part_count_laws(haft_part_counts *counts, const haft_laws *laws);
+
+/* Their bytes; false if there can be none so large. */
+bool haft_part_laws_size(const haft_part_counts *counts, size_t *size);
+
+void haft_part_pack_laws(char *at, const haft_laws *laws);
+
+/* Reads them back, and refuses what is no set of laws. */
+haft_status haft_part_unpack_laws(haft_laws **out, const haft_part_counts *counts, const char *at,
+                                  haft_error *error) HAFT_MUST_CHECK;
 
 #endif

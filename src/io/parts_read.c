@@ -334,8 +334,8 @@ static haft_status make_path(haft_path **out, const haft_part_counts *counts, ha
     return HAFT_OK;
 }
 
-static haft_status unpack(haft_path **out, haft_summary *summary, const char *payload, size_t size,
-                          size_t dofs, haft_error *error) {
+static haft_status unpack(haft_path **out, haft_summary *summary, haft_laws **laws,
+                          const char *payload, size_t size, size_t dofs, haft_error *error) {
     haft_part_counts counts;
     bool fits = size >= sizeof counts;
     if (fits) {
@@ -359,14 +359,24 @@ static haft_status unpack(haft_path **out, haft_summary *summary, const char *pa
     at = unpack_rows(at, haft_hdf_jump_column_count, haft_hdf_jump_columns, path->jump,
                      sizeof *path->jump, path->jumps);
     if (path->state != NULL) {
-        memcpy(path->state, at, path->points * counts.dofs * sizeof(double));
+        size_t states = path->points * counts.dofs * sizeof(double);
+        memcpy(path->state, at, states);
+        at += states;
     }
-    return HAFT_OK;
+    status = laws == NULL ? HAFT_OK : haft_part_unpack_laws(laws, &counts, at, error);
+    if (status != HAFT_OK) {
+        haft_path_destroy(out);
+    }
+    return status;
 }
 
-haft_status haft_parts_read(haft_path **out, haft_summary *summary, const haft_parts *parts,
-                            size_t realization, size_t dofs, haft_error *error) {
+haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **laws,
+                            const haft_parts *parts, size_t realization, size_t dofs,
+                            haft_error *error) {
     *out = NULL;
+    if (laws != NULL) {
+        *laws = NULL;
+    }
     if (!haft_parts_has(parts, realization)) {
         return haft_error_set(error, HAFT_ERROR_IO,
                               "%s: holds realization %zu no more; give `haft resume`",
@@ -388,7 +398,7 @@ haft_status haft_parts_read(haft_path **out, haft_summary *summary, const haft_p
         if (descriptor >= 0) {
             close(descriptor);
         }
-        status = whole ? unpack(out, summary, payload, size, dofs, error)
+        status = whole ? unpack(out, summary, laws, payload, size, dofs, error)
                        : haft_error_set(error, HAFT_ERROR_IO,
                                         "changed while it was being read; give `haft resume`");
         if (status != HAFT_OK && status != HAFT_ERROR_MEMORY) {

@@ -79,8 +79,10 @@ size_t haft_part_payload_size(const haft_part_counts *counts) {
     size_t jumps = haft_part_row_size(haft_hdf_jump_column_count, haft_hdf_jump_columns);
     size_t total = sizeof *counts +
                    haft_part_row_size(haft_hdf_summary_column_count, haft_hdf_summary_columns);
-    size_t state = 0;
-    bool over = __builtin_mul_overflow(points, counts->points, &points) ||
+    size_t state = 0, laws = 0;
+    bool over = !haft_part_laws_size(counts, &laws) ||
+                __builtin_add_overflow(total, laws, &total) ||
+                __builtin_mul_overflow(points, counts->points, &points) ||
                 __builtin_mul_overflow(jumps, counts->jumps, &jumps) ||
                 __builtin_mul_overflow(counts->points, counts->dofs, &state) ||
                 __builtin_mul_overflow(state, sizeof(double), &state) ||
@@ -180,7 +182,7 @@ static char *pack_rows(char *at, size_t columns, const haft_hdf_column *column, 
 }
 
 static void pack(char *at, const haft_part_counts *counts, const haft_path *path,
-                 const haft_summary *summary) {
+                 const haft_summary *summary, const haft_laws *laws) {
     memcpy(at, counts, sizeof *counts);
     at += sizeof *counts;
     at = pack_rows(at, haft_hdf_summary_column_count, haft_hdf_summary_columns, summary,
@@ -190,12 +192,18 @@ static void pack(char *at, const haft_part_counts *counts, const haft_path *path
     at = pack_rows(at, haft_hdf_jump_column_count, haft_hdf_jump_columns, path->jump,
                    sizeof *path->jump, path->jumps);
     if (counts->dofs > 0 && path->points > 0) {
-        memcpy(at, path->state, path->points * counts->dofs * sizeof(double));
+        size_t size = path->points * counts->dofs * sizeof(double);
+        memcpy(at, path->state, size);
+        at += size;
+    }
+    if (laws != NULL) {
+        haft_part_pack_laws(at, laws);
     }
 }
 
 haft_status haft_part_append(haft_part *part, size_t realization, const haft_path *path,
-                             size_t dofs, const haft_summary *summary, haft_error *error) {
+                             size_t dofs, const haft_summary *summary, const haft_laws *laws,
+                             haft_error *error) {
     const haft_path_cost *cost = &path->cost;
     haft_part_counts counts = {.points = path->points,
                                .jumps = path->jumps,
@@ -211,13 +219,14 @@ haft_status haft_part_append(haft_part *part, size_t realization, const haft_pat
                                .flow_steps = cost->flow_steps,
                                .ledger_error = path->ledger_error,
                                .end_influence = path->end_influence};
+    haft_part_count_laws(&counts, laws);
     haft_part_record head = {.realization = realization, .size = haft_part_payload_size(&counts)};
     char *bytes = haft_memory_alloc(sizeof head + head.size, 1, error);
     if (bytes == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     char digest[HAFT_DIGEST_CAPACITY];
-    pack(bytes + sizeof head, &counts, path, summary);
+    pack(bytes + sizeof head, &counts, path, summary, laws);
     memcpy(head.magic, HAFT_PART_RECORD_MAGIC, sizeof head.magic);
     haft_digest_memory(bytes + sizeof head, head.size, digest);
     memcpy(head.payload_digest, digest, sizeof head.payload_digest);

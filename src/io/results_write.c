@@ -209,13 +209,14 @@ static void write_evidence(haft_results *results, size_t realization, const haft
         write_displacement(hdf, name, path, model);
     }
     haft_hdf_write_real(hdf, group, "gap", model->gap);
-    haft_hdf_write_real(hdf, group, "f_limit", c->law.f_limit);
+    haft_hdf_write_limit(hdf, group, haft_case_limit(c));
     haft_hdf_write_real(hdf, group, "bending_stiffness", haft_beam_bending_stiffness(&c->beam));
     haft_hdf_write_real(hdf, group, "load_position", model->load.x);
-    haft_hdf_write_text(hdf, group, "convention",
-                        "SI units; gap, load_position [m], f_limit [Pa], bending_stiffness "
-                        "[N m^2]; w positive towards the substrate; gap of a site d = gap - w; "
-                        "pressure positive pushing apart; load positive towards the substrate");
+    haft_hdf_write_text(
+        hdf, group, "convention",
+        "SI units; gap, load_position [m], f_limit in f_limit_unit, bending_stiffness "
+        "[N m^2]; w positive towards the substrate; gap of a site d = gap - w; "
+        "pressure positive pushing apart; load positive towards the substrate");
 }
 
 static haft_status check_addition(const haft_results *results, size_t realization,

@@ -58,8 +58,8 @@ static void bottom(const double *distance, const double *force, size_t at,
 
 haft_law_fault haft_law_characterise(size_t n, const double *distance, const double *force,
                                      double f_limit, haft_law_vector *vector) {
-    if (n < 4 || !isfinite(f_limit) || !(f_limit > 0) ||
-        !haft_hermite_is_curve(n, distance, force) || !haft_hermite_is_even(n, distance)) {
+    if (n < 4 || !isfinite(f_limit) || f_limit == 0 || !haft_hermite_is_curve(n, distance, force) ||
+        !haft_hermite_is_even(n, distance)) {
         return HAFT_LAW_INVALID;
     }
     size_t at = 0;
@@ -76,16 +76,20 @@ haft_law_fault haft_law_characterise(size_t n, const double *distance, const dou
     if (rises_again(force, at, n - 1, barrier) || rises_again(force, at, 0, barrier)) {
         return HAFT_LAW_TWO_WELLS;
     }
-    size_t wall = at;
-    while (wall > 0 && force[wall] < f_limit) {
-        wall--;
-    }
-    if (force[wall] < f_limit) {
+    if (at == 0) {
         return HAFT_LAW_RANGE_LEFT;
     }
     bottom(distance, force, at, vector);
+    double limit = haft_law_limit(f_limit, vector->f_max);
+    size_t wall = at;
+    while (wall > 0 && force[wall] < limit) {
+        wall--;
+    }
+    if (force[wall] < limit) {
+        return HAFT_LAW_RANGE_LEFT;
+    }
     vector->e = energy(n, distance, force);
     haft_hermite cubic = haft_hermite_interval(n, distance, force, wall);
-    vector->d_limit = distance[wall] + haft_hermite_solve(&cubic, f_limit);
+    vector->d_limit = distance[wall] + haft_hermite_solve(&cubic, limit);
     return HAFT_LAW_SOUND;
 }

@@ -15,8 +15,6 @@ static const double LENGTHS_A_PATCH = 3;
 static const double YIELD_SHARE = 0.4;
 /* Wet share of the area beyond which menisci are no longer separate. */
 static const double WET_BOUND = 0.5;
-/* Humidity below which van der Waals forces count beside the menisci. */
-static const double DRY = 0.55;
 
 static haft_verdict judge(double value, double good, double bad) {
     return value <= good  ? HAFT_VERDICT_HOLDS
@@ -93,7 +91,8 @@ static void find_plasticity(haft_findings *out, const haft_evidence *e) {
     double rough = 0.5 * modulus * sqrt(2 * haft_psd_get_moments(&c->surface.psd).m2);
     haft_capillary capillary = {0};
     size_t n = 0;
-    bool wet = c->contact.has_capillary &&
+    haft_physics physics = haft_case_physics(c);
+    bool wet = physics.capillary && !physics.vdw && /* else more pulls than the menisci */
                haft_capillary_from_spec(&capillary, &c->contact.capillary, NULL) == HAFT_OK;
     for (size_t k = 0; wet && k < laws->m; k++) {
         if (laws->contact_area[k] > 0 && laws->wet_area[k] > laws->contact_area[k]) {
@@ -136,7 +135,8 @@ static void find_menisci(haft_findings *out, const haft_evidence *e) {
     const haft_laws *laws = e->laws;
     double wet = 0, most = 0;
     size_t n = 0;
-    if (!e->c->contact.has_capillary) {
+    haft_physics physics = haft_case_physics(e->c);
+    if (!physics.capillary) {
         return;
     }
     for (size_t k = 0; k < laws->m; k++) {
@@ -161,16 +161,21 @@ static void find_menisci(haft_findings *out, const haft_evidence *e) {
             "water to form, and the pull no longer depends on the roughness as modelled.",
             100 * wet, 100 * most, 100 * WET_BOUND);
     }
-    haft_findings_add(
-        out,
-        &(haft_finding){.subject = "menisci alone hold the beam",
-                        .assumption = true,
-                        .verdict = humidity >= DRY ? HAFT_VERDICT_HOLDS : HAFT_VERDICT_DOUBTFUL,
-                        .value = humidity,
-                        .limit = DRY},
-        "At %.3g %% relative humidity the pull of the menisci is taken alone; below "
-        "%.0f %% van der Waals forces are no longer small beside it.",
-        100 * humidity, 100 * DRY);
+    if (physics.vdw) {
+        return; /* both are counted */
+    }
+    haft_findings_add(out,
+                      &(haft_finding){.subject = "menisci alone hold the beam",
+                                      .assumption = true,
+                                      .verdict = humidity >= HAFT_VDW_HUMIDITY
+                                                     ? HAFT_VERDICT_HOLDS
+                                                     : HAFT_VERDICT_DOUBTFUL,
+                                      .value = humidity,
+                                      .limit = HAFT_VDW_HUMIDITY},
+                      "At %.3g %% relative humidity the pull of the menisci is taken alone; below "
+                      "%.0f %% van der Waals forces are no longer small beside it (contact.vdw "
+                      "counts them).",
+                      100 * humidity, 100 * HAFT_VDW_HUMIDITY);
 }
 
 /* ---- the laws ---- */
@@ -208,7 +213,7 @@ static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_e
         return HAFT_ERROR_MEMORY;
     }
     size_t beyond = 0;
-    double greatest = 0;
+    double greatest = 0, ratio = 0;
     for (size_t i = 0; i < e->path->points; i++) {
         haft_model_gaps(model, e->path->state + i * model->dofs, gap);
         bool any = false;
@@ -216,13 +221,14 @@ static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_e
             const haft_law *law = &e->sites->law[r];
             if (gap[r] < law->wall_distance) {
                 any = true;
-                greatest = fmax(greatest, haft_law_evaluate(law, gap[r]).force);
+                double push = haft_law_evaluate(law, gap[r]).force;
+                greatest = fmax(greatest, push);
+                ratio = fmax(ratio, push / haft_law_limit(e->laws->f_limit, law->f_max));
             }
         }
         beyond += any;
     }
     haft_memory_free(gap);
-    double ratio = greatest / e->c->law.f_limit;
     haft_finding facts = {.subject = "laws are used where they were computed",
                           .assumption = true,
                           .verdict = beyond == 0 ? HAFT_VERDICT_HOLDS : judge(ratio, 0, 10),
@@ -238,8 +244,8 @@ static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_e
             out, &facts,
             "In %zu of %zu states of the beam shown some patch is pressed harder than "
             "its law was computed for; there the push goes on along a straight line, "
-            "up to %.3g MPa (the fit's limit push is %.3g MPa).",
-            beyond, e->path->points, greatest * 1e-6, e->c->law.f_limit * 1e-6);
+            "up to %.3g MPa, at most %.2g times the push that its law was fitted to.",
+            beyond, e->path->points, greatest * 1e-6, ratio);
     }
     return HAFT_OK;
 }

@@ -39,6 +39,7 @@ typedef struct haft_changed_set {
     haft_changed changed[HAFT_VARIANTS_KEPT];
     struct {
         char digest[HAFT_DIGEST_CAPACITY];
+        size_t sites; /* of the beams they are for; 0: for any */
         haft_laws *laws;
         double seconds;
     } built[HAFT_VARIANTS_KEPT];

@@ -6,7 +6,7 @@
 haft_status haft_stochastic_create(haft_chaos **out, size_t m, const haft_law_vector *vector,
                                    const haft_case *c, haft_error *error) {
     haft_chaos_spec spec = c->law.chaos.spec;
-    spec.f_limit = c->law.f_limit;
+    spec.f_limit = haft_case_limit(c);
     haft_status status = haft_chaos_create(out, m, vector, &spec, error);
     if (status != HAFT_OK || c->law.chaos.component_order == HAFT_COMPONENTS_FALLING) {
         return status;
@@ -52,7 +52,7 @@ haft_status haft_study_fit_laws(haft_laws **out, const haft_case *c, size_t m,
     }
     haft_laws *laws = *out;
     laws->sites = m;
-    laws->f_limit = c->law.f_limit;
+    laws->f_limit = haft_case_limit(c);
     haft_digest_memory(vector, m * sizeof *vector, laws->origin);
     for (size_t k = 0; k < m; k++) {
         haft_law law;

@@ -1,169 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From surfaces to laws: blocks of surface are independent of each other, so they are dealt out to
- * threads; each writes its own patches' rows, and nothing depends on who did which. */
-#include "haft/study.h"
+/* The laws of all realizations at once, or of a model's patches: blocks of surface are independent
+ * of each other, so they are dealt out to threads; each writes its own patches' rows, and nothing
+ * depends on who did which. All is in memory until all is done. */
+#include "builder.h"
 
-#include <math.h>
 #include <omp.h>
-#include <string.h>
 
-/* Length of a seamless block: long against the kernel's halo, short against memory. */
-#define BLOCK_LENGTH 12e-6
-
-haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, haft_error *error) {
-    double e = c->contact.young_modulus, nu = c->contact.poisson_ratio;
-    *out = (haft_contact_spec){.asperities = c->contact.asperities,
-                               .modulus = haft_contact_modulus(e, nu, e, nu),
-                               .has_capillary = c->contact.has_capillary};
-    if (!c->contact.has_capillary) {
-        return HAFT_OK;
-    }
-    haft_capillary capillary;
-    haft_status status = haft_capillary_from_spec(&capillary, &c->contact.capillary, error);
-    out->pressure = capillary.pressure;
-    out->capillary_range = capillary.range;
-    return status;
-}
-
-size_t haft_study_block_patches(const haft_case *c) {
-    if (c->law.sampler != HAFT_SAMPLER_EXPLICIT) {
-        return 1;
-    }
-    double patches = floor(BLOCK_LENGTH / c->mesh.l_meso * (1 + 1e-9));
-    return patches < 1 ? 1 : (size_t)patches;
-}
-
-static size_t rows_of(const haft_case *c) {
-    return (size_t)llround(c->mesh.l_meso / c->surface.grid_step);
-}
-
-static size_t columns_of(const haft_case *c) {
-    return (size_t)llround(c->beam.width / c->surface.grid_step);
-}
-
-size_t haft_study_sites(const haft_case *c) {
-    return (size_t)llround(c->beam.length / c->mesh.l_meso);
-}
-
-/* A set of patches for each realization, or one for the model. */
-static size_t sets_of(const haft_case *c) {
-    return haft_sampler_is_stochastic(c->law.sampler) ? 1 : c->realizations;
-}
-
-static size_t patches_of_set(const haft_case *c) {
-    return haft_sampler_is_stochastic(c->law.sampler) ? c->law.chaos.vectors : haft_study_sites(c);
-}
-
-size_t haft_study_law_count(const haft_case *c) {
-    return sets_of(c) * patches_of_set(c);
-}
-
-haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c, size_t patches,
-                                    haft_error *error) {
-    bool whole = c->law.sampler == HAFT_SAMPLER_EXPLICIT;
-    haft_surface_spec spec = {
-        .psd = c->surface.psd,
-        .grid_step = c->surface.grid_step,
-        .rows = patches * rows_of(c),
-        .columns = columns_of(c),
-        .tolerance = c->surface.kernel_tolerance,
-        .key = {c->seed, whole ? HAFT_RANDOM_BEAM_SURFACE : HAFT_RANDOM_PATCH_SURFACE},
-    };
-    return haft_surface_plan_create(out, &spec, error);
-}
-
-/* What the whole build shares, read only but for the rows of `laws`. */
+/* What the whole build shares. */
 typedef struct build {
-    const haft_case *c;
-    haft_contact_spec contact;
-    haft_surface_plan *plan;
+    const haft_builder *builder;
+    size_t sets, blocks; /* blocks a set */
     haft_laws *laws;
-    size_t block_patches, blocks; /* blocks a realization */
+    int hands;
+    haft_builder_hand **hand;
     const haft_progress *progress;
     size_t done;
 } build;
 
-/* One thread's scratch. */
-typedef struct worker {
-    haft_surface_work *surface;
-    haft_contact_work *contact;
-    double *z, *contact_area, *wet_area, *asperities;
-} worker;
-
-static void destroy_worker(worker *w) {
-    haft_surface_work_destroy(&w->surface);
-    haft_contact_work_destroy(&w->contact);
-    haft_memory_free(w->z);
-    haft_memory_free(w->contact_area);
-    haft_memory_free(w->wet_area);
-    haft_memory_free(w->asperities);
-}
-
-static haft_status create_worker(worker *w, const build *b, haft_error *error) {
-    size_t rows = rows_of(b->c), columns = columns_of(b->c), n = b->laws->n;
-    haft_status status = haft_surface_work_create(&w->surface, b->plan, error);
-    if (status == HAFT_OK) {
-        status = haft_contact_work_create(&w->contact, rows, columns, error);
-    }
-    if (status != HAFT_OK) {
-        return status;
-    }
-    w->z = haft_memory_alloc(rows * columns, sizeof(double), error);
-    w->contact_area = haft_memory_alloc(n, sizeof(double), error);
-    w->wet_area = haft_memory_alloc(n, sizeof(double), error);
-    w->asperities = haft_memory_alloc(n, sizeof(double), error);
-    bool all = w->z && w->contact_area && w->wet_area && w->asperities;
-    return all ? HAFT_OK : HAFT_ERROR_MEMORY;
-}
-
-/* Curve, vector and zero-force facts of the patch in w->z, into row k. */
-static haft_status enter_patch(const build *b, worker *w, size_t k, haft_error *error) {
-    haft_laws *laws = b->laws;
-    haft_curve curve = {.n = laws->n,
-                        .distance = laws->distance,
-                        .force = laws->force + k * laws->n,
-                        .contact_area = w->contact_area,
-                        .wet_area = w->wet_area,
-                        .asperities = w->asperities};
-    haft_status status =
-        haft_contact_curve(w->contact, &b->contact, w->z, rows_of(b->c), columns_of(b->c),
-                           b->c->surface.grid_step, &curve, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    haft_law law;
-    haft_law_fault fault = haft_law_characterise(laws->n, laws->distance, curve.force,
-                                                 laws->f_limit, &laws->vector[k]);
-    if (fault == HAFT_LAW_SOUND) {
-        fault = haft_law_morse(&law, &laws->vector[k], laws->f_limit);
-    } else {
-        laws->vector[k] = (haft_law_vector){NAN, NAN, NAN, NAN};
-    }
-    laws->fault[k] = fault;
-    haft_zero_force zero = haft_contact_zero_force(&curve);
-    laws->zero_distance[k] = zero.found ? zero.distance : NAN;
-    laws->contact_area[k] = zero.found ? zero.contact_area : NAN;
-    laws->wet_area[k] = zero.found ? zero.wet_area : NAN;
-    laws->asperities[k] = zero.found ? zero.asperities * b->c->mesh.l_meso * b->c->beam.width : NAN;
-    return HAFT_OK;
-}
-
-static haft_status do_block(const build *b, worker *w, size_t task, haft_error *error) {
-    const haft_case *c = b->c;
-    size_t realization = task / b->blocks, block = task % b->blocks;
-    size_t rows = rows_of(c), first = block * b->block_patches;
-    bool whole = c->law.sampler == HAFT_SAMPLER_EXPLICIT;
-    haft_status status = haft_surface_prepare(w->surface, realization, whole ? 0 : block,
-                                              whole ? (long)(first * rows) : 0, error);
-    for (size_t p = 0; p < b->block_patches && first + p < b->laws->sites; p++) {
-        if (status == HAFT_OK) {
-            status = haft_surface_rows(w->surface, p * rows, rows, w->z, error);
-        }
-        if (status == HAFT_OK) {
-            status = enter_patch(b, w, realization * b->laws->sites + first + p, error);
-        }
-    }
-    return status;
+static haft_status do_task(const build *b, haft_builder_hand *hand, size_t task,
+                           haft_error *error) {
+    size_t set = task / b->blocks, block = b->builder->first_block + task % b->blocks;
+    return haft_builder_block(b->builder, hand, set, block, b->laws, set * b->laws->sites, error);
 }
 
 static bool stopped(const haft_progress *progress) {
@@ -171,11 +28,11 @@ static bool stopped(const haft_progress *progress) {
 }
 
 /* Deals out the blocks; the first failure by task number is the one told. */
-static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_error *error) {
-    long tasks = (long)(sets_of(b->c) * b->blocks), failed_task = tasks;
+static haft_status do_all_blocks(build *b, haft_error *error) {
+    long tasks = (long)(b->sets * b->blocks), failed_task = tasks;
     haft_status result = HAFT_OK;
     bool halt = false;
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
+#pragma omp parallel for schedule(dynamic) num_threads(b->hands)
     for (long task = 0; task < tasks; task++) {
         bool skip;
 #pragma omp atomic read
@@ -184,7 +41,7 @@ static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_er
             continue;
         }
         haft_error own = {0};
-        haft_status status = do_block(b, &workers[omp_get_thread_num()], (size_t)task, &own);
+        haft_status status = do_task(b, b->hand[omp_get_thread_num()], (size_t)task, &own);
 #pragma omp critical
         {
             bool early = false;
@@ -214,54 +71,69 @@ static haft_status do_all_blocks(build *b, worker *workers, int threads, haft_er
 }
 
 static haft_status run_build(build *b, haft_error *error) {
-    size_t tasks = sets_of(b->c) * b->blocks;
+    size_t tasks = b->sets * b->blocks;
     int threads = omp_get_max_threads();
-    threads = (size_t)threads < tasks ? threads : (int)tasks;
-    worker *workers = haft_memory_alloc((size_t)threads, sizeof *workers, error);
-    if (workers == NULL) {
+    b->hands = (size_t)threads < tasks ? threads : (int)tasks;
+    b->hand = haft_memory_alloc((size_t)b->hands, sizeof(haft_builder_hand *), error);
+    if (b->hand == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     haft_status status = HAFT_OK;
-    for (int i = 0; i < threads && status == HAFT_OK; i++) {
-        status = create_worker(&workers[i], b, error);
+    for (int i = 0; i < b->hands && status == HAFT_OK; i++) {
+        status = haft_builder_hand_create(&b->hand[i], b->builder, error);
     }
     if (status == HAFT_OK) {
-        status = do_all_blocks(b, workers, threads, error);
+        status = do_all_blocks(b, error);
     }
-    for (int i = 0; i < threads; i++) {
-        destroy_worker(&workers[i]);
+    for (int i = 0; i < b->hands; i++) {
+        haft_builder_hand_destroy(&b->hand[i]);
     }
-    haft_memory_free(workers);
+    haft_memory_free(b->hand);
+    return status;
+}
+
+/* Drops the curves that are not to be kept. */
+static haft_status drop_curves(haft_laws **laws, const haft_case *c, haft_error *error) {
+    size_t sets = (*laws)->m / (*laws)->sites;
+    haft_laws *all = *laws;
+    haft_laws **set = haft_memory_alloc(sets, sizeof(haft_laws *), error);
+    haft_status status = set == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    for (size_t k = 0; k < sets && status == HAFT_OK; k++) {
+        status = haft_study_take_laws(&set[k], c, all, k, k, error);
+    }
+    haft_laws_destroy(laws);
+    if (status == HAFT_OK) {
+        status = haft_laws_join(laws, set, sets, error);
+    }
+    for (size_t k = 0; set != NULL && k < sets; k++) {
+        haft_laws_destroy(&set[k]);
+    }
+    haft_memory_free(set);
     return status;
 }
 
 haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
                                   const haft_progress *progress, haft_error *error) {
     *out = NULL;
-    build b = {.c = c, .block_patches = haft_study_block_patches(c), .progress = progress};
-    haft_status status = haft_study_contact_spec(&b.contact, c, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    double span = c->contact.distance_to - c->contact.distance_from;
-    size_t n = (size_t)llround(span / c->contact.distance_step) + 1;
-    status = haft_laws_create(&b.laws, haft_study_law_count(c), n, error);
+    haft_builder *builder = NULL;
+    bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
+    build b = {.sets = stochastic ? 1 : c->realizations, .progress = progress};
+    haft_status status = haft_builder_create(&builder, c, error);
     if (status == HAFT_OK) {
-        b.laws->sites = patches_of_set(c);
-        b.laws->f_limit = c->law.f_limit;
-        b.blocks = (b.laws->sites + b.block_patches - 1) / b.block_patches;
-        for (size_t i = 0; i < n; i++) {
-            b.laws->distance[i] = c->contact.distance_from + span * (double)i / (double)(n - 1);
-        }
-        status = haft_study_surface_plan(&b.plan, c, b.block_patches, error);
+        b.builder = builder;
+        b.blocks = builder->end_block - builder->first_block;
+        status = haft_builder_room(&b.laws, builder, b.sets, error);
     }
     if (status == HAFT_OK) {
         status = run_build(&b, error);
     }
-    if (status == HAFT_OK && haft_sampler_is_stochastic(c->law.sampler)) {
+    if (status == HAFT_OK && c->curves != HAFT_CURVES_ALL) {
+        status = drop_curves(&b.laws, c, error);
+    }
+    if (status == HAFT_OK && stochastic) {
         status = haft_study_build_chaos(b.laws, c, error);
     }
-    haft_surface_plan_destroy(&b.plan);
+    haft_builder_destroy(&builder);
     if (status != HAFT_OK) {
         haft_laws_destroy(&b.laws);
     }

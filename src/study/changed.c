@@ -71,6 +71,7 @@ static haft_status make_case(haft_changed *own, const haft_changed_set *set, haf
     v.realizations = set->beams;
     v.stop.crack_length_mean = 0;
     memset(&v.evidence, 0, sizeof v.evidence);
+    v.curves = HAFT_CURVES_ALL; /* some variants take them as tables */
     change(&v, own->changes);
     int length = snprintf(path, sizeof path, "%s/%03x.yaml", set->directory, own->changes);
     if (length < 0 || (size_t)length >= sizeof path) {
@@ -85,9 +86,10 @@ static haft_status make_case(haft_changed *own, const haft_changed_set *set, haf
 static haft_status obtain_laws(const haft_laws **laws, double *seconds, haft_changed_set *set,
                                const haft_case *c, haft_error *error) {
     char digest[HAFT_DIGEST_CAPACITY];
+    size_t sites = haft_sampler_is_stochastic(c->law.sampler) ? 0 : haft_study_sites(c);
     haft_status status = haft_case_laws_digest(c, digest, error);
     for (size_t i = 0; i < set->laws_count && status == HAFT_OK; i++) {
-        if (strcmp(set->built[i].digest, digest) == 0) {
+        if (strcmp(set->built[i].digest, digest) == 0 && set->built[i].sites == sites) {
             *laws = set->built[i].laws;
             *seconds = set->built[i].seconds;
             return HAFT_OK;
@@ -107,6 +109,7 @@ static haft_status obtain_laws(const haft_laws **laws, double *seconds, haft_cha
     if (status == HAFT_OK) {
         size_t i = set->laws_count++;
         memcpy(set->built[i].digest, digest, sizeof digest);
+        set->built[i].sites = sites;
         *laws = set->built[i].laws = built;
         *seconds = set->built[i].seconds = now() - start;
     }

@@ -3,13 +3,16 @@
 #ifndef HAFT_STUDY_CREW_H
 #define HAFT_STUDY_CREW_H
 
+#include "builder.h"
 #include "relay.h"
 
 /* What all hands of a process share. */
 typedef struct haft_crew {
     const haft_case *c;
-    const haft_laws *laws;
+    const haft_laws *laws; /* drawn from, or of the beams whose laws are there; may be NULL */
     const haft_model *model;
+    haft_builder *builder;    /* of the laws of the other beams; NULL if there are none */
+    haft_builder_hand **hand; /* one a thread, made with its first beam */
     int rank;           /* of this process: MPI itself is asked by the thread that began alone */
     const char *folder; /* of the parts */
     const char *laws_digest;
@@ -19,9 +22,17 @@ typedef struct haft_crew {
     omp_lock_t lock;  /* of the part */
 } haft_crew;
 
+/* Gets ready to build the laws of those realizations that have none: of those not `done` (NULL: of
+ * any). @param[out] lacking may be NULL: how many they are */
+haft_status haft_crew_equip(haft_crew *crew, const bool *done, size_t *lacking,
+                            haft_error *error) HAFT_MUST_CHECK;
+
 /* Does all that the desk hands out, and on rank 0 serves the other ranks meanwhile; how it went is
  * the desk's to tell.
  * @return of this process's own: memory, and whether its part is safely closed */
 haft_status haft_crew_work(haft_crew *crew, haft_error *error) HAFT_MUST_CHECK;
+
+/* Puts down what haft_crew_equip() took up; fit for a crew that never did. */
+void haft_crew_disband(haft_crew *crew);
 
 #endif

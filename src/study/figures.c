@@ -63,18 +63,21 @@ static haft_status write_surface(const haft_case *c, const char *directory, haft
     return status;
 }
 
-/* The laws that are shown, and the curves they were made of: by their numbers in laws.h5. */
+/* The laws that are shown, and the curves they were made of, NULL where they were not kept. */
 typedef struct shown {
-    size_t count, index[CURVES];
+    size_t count, index[CURVES]; /* of the site, or of the model's patch */
+    const double *curve[CURVES];
     haft_law law[CURVES];
     haft_law_vector vector[CURVES];
 } shown;
 
-/* Laws of the first realization's sites, spread over the beam. */
-static void show_sites(shown *s, const haft_site_laws *sites) {
-    s->count = sites->sites < CURVES ? sites->sites : CURVES;
+/* Laws of the first realization's sites, spread over that part of the beam that has them. */
+static void show_sites(shown *s, const haft_site_laws *sites, const haft_laws *laws, size_t first) {
+    size_t n = sites->sites - first;
+    s->count = n < CURVES ? n : CURVES;
     for (size_t k = 0; k < s->count; k++) {
-        s->index[k] = k * sites->sites / s->count;
+        s->index[k] = first + k * n / s->count;
+        s->curve[k] = haft_laws_curve(laws, s->index[k] - laws->first_site);
         s->law[k] = sites->law[s->index[k]];
         s->vector[k] = sites->vector[s->index[k]];
     }
@@ -91,13 +94,13 @@ static void show_patches(shown *s, const haft_laws *laws) {
         if (i < end &&
             haft_law_morse(&s->law[s->count], &laws->vector[i], laws->f_limit) == HAFT_LAW_SOUND) {
             s->vector[s->count] = laws->vector[i];
+            s->curve[s->count] = haft_laws_curve(laws, i);
             s->index[s->count++] = i;
         }
     }
 }
 
-/* Curves and what became of them; laws fitted to vectors alone stand for their curves themselves.
- */
+/* Curves and what became of them; laws stand for curves that were not kept. */
 static haft_status write_curves(const haft_case *c, const haft_laws *laws, const shown *s,
                                 const char *directory, haft_error *error) {
     enum { GRID = 221 };
@@ -113,7 +116,7 @@ static haft_status write_curves(const haft_case *c, const haft_laws *laws, const
         row[0] = d * 1e9;
         for (size_t k = 0; k < s->count; k++) {
             double law = haft_law_evaluate(&s->law[k], d).force;
-            row[1 + 2 * k] = (laws->n > 0 ? laws->force[s->index[k] * n + i] : law) * 1e-6;
+            row[1 + 2 * k] = (s->curve[k] != NULL ? s->curve[k][i] : law) * 1e-6;
             row[2 + 2 * k] = law * 1e-6;
         }
     }
@@ -143,10 +146,13 @@ static haft_status write_vectors(const haft_laws *laws, const shown *s, const ch
     }
     for (size_t k = 0; k < s->count; k++) {
         const haft_law_vector *v = &s->vector[k];
-        double row[7] = {(double)s->index[k], s->law[k].kind == HAFT_LAW_MORSE,
-                         v->e * 1e3,          v->f_max * 1e-6,
-                         v->d_max * 1e9,      v->d_limit * 1e9,
-                         laws->f_limit * 1e-6};
+        double row[7] = {(double)s->index[k],
+                         s->law[k].kind == HAFT_LAW_MORSE,
+                         v->e * 1e3,
+                         v->f_max * 1e-6,
+                         v->d_max * 1e9,
+                         v->d_limit * 1e9,
+                         haft_law_limit(laws->f_limit, v->f_max) * 1e-6};
         memcpy(t.value + k * 7, row, sizeof row);
     }
     haft_sheet_name(&t, name);
@@ -166,7 +172,7 @@ static haft_status write_laws(const haft_case *c, const haft_laws *laws, const c
         own.law.unfit = HAFT_UNFIT_TABLE;
         status = haft_study_site_laws(&sites, &own, laws, 0, error);
         if (status == HAFT_OK) {
-            show_sites(&s, sites);
+            show_sites(&s, sites, laws, haft_study_first_site(c));
         }
     }
     if (status == HAFT_OK) {

@@ -12,13 +12,6 @@ static void tell(const haft_progress *progress, const char *text) {
     }
 }
 
-static bool shapes_agree(const haft_laws *laws, const haft_case *c) {
-    bool drawn = haft_sampler_is_stochastic(c->law.sampler);
-    size_t sites = haft_study_sites(c);
-    return drawn == (laws->chaos != NULL) &&
-           (drawn || (laws->sites == sites && laws->m == sites * c->realizations));
-}
-
 haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
                                    const char *path, haft_error *error) {
     char found[HAFT_DIGEST_CAPACITY], origin[HAFT_DIGEST_CAPACITY];
@@ -50,37 +43,18 @@ static void tell_left_out(const haft_laws *laws, const haft_progress *progress) 
     }
 }
 
-haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],
-                                   const haft_case *c, const char *path,
-                                   const haft_progress *progress, haft_error *error) {
-    *out = NULL;
-    haft_status status = haft_study_laws_digest(digest, c, path, error);
-    if (status != HAFT_OK) {
-        return status;
+static void tell_forces(const haft_case *c, const haft_progress *progress) {
+    char text[120];
+    if (c->contact.forces == HAFT_FORCES_AUTO) {
+        snprintf(text, sizeof text, "forces chosen by the humidity, %g %%: %s",
+                 100 * c->contact.capillary.humidity, haft_physics_name(haft_case_physics(c)));
+        tell(progress, text);
     }
-    char found[HAFT_DIGEST_CAPACITY] = "";
-    if (access(path, F_OK) != 0) {
-        tell(progress, "no laws yet: building them");
-    } else {
-        status = haft_laws_read(out, found, path, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
-        if (strcmp(found, digest) == 0 && shapes_agree(*out, c)) {
-            tell(progress, (*out)->origin[0] != '\0'
-                               ? "the laws were fitted to a table of vectors: reading them"
-                               : "the laws were built from the same inputs: reading them");
-            tell_left_out(*out, progress);
-            return HAFT_OK;
-        }
-        status = haft_laws_identify(digest, c, "", error);
-        haft_laws_destroy(out);
-        if (status != HAFT_OK) {
-            return status;
-        }
-        tell(progress, "the laws were built from other inputs: building them anew");
-    }
-    status = haft_study_build_laws(out, c, progress, error);
+}
+
+static haft_status build_model(haft_laws **out, const haft_case *c, const char *path,
+                               const haft_progress *progress, haft_error *error) {
+    haft_status status = haft_study_build_laws(out, c, progress, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -90,6 +64,37 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
         haft_laws_destroy(out);
     }
     return status;
+}
+
+haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY],
+                                   const haft_case *c, const char *path,
+                                   const haft_progress *progress, haft_error *error) {
+    *out = NULL;
+    bool there = access(path, F_OK) == 0, drawn = haft_sampler_is_stochastic(c->law.sampler);
+    char found[HAFT_DIGEST_CAPACITY] = "";
+    haft_status status = haft_study_laws_digest(digest, c, path, error);
+    if (status == HAFT_OK && there) {
+        status = haft_laws_read(out, found, path, error);
+    }
+    if (status != HAFT_OK) {
+        return status;
+    }
+    tell_forces(c, progress);
+    if (there && strcmp(found, digest) == 0 && drawn == ((*out)->chaos != NULL)) {
+        tell(progress, (*out)->origin[0] != '\0'
+                           ? "the laws were fitted to a table of vectors: reading them"
+                           : "the laws were built from the same inputs: reading them");
+        tell_left_out(*out, progress);
+        return HAFT_OK;
+    }
+    status = haft_laws_identify(digest, c, "", error);
+    haft_laws_destroy(out);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    tell(progress, there ? "the laws were built from other inputs: building them anew"
+                         : "no laws yet: building them");
+    return drawn ? build_model(out, c, path, progress, error) : HAFT_OK;
 }
 
 void haft_study_count_faults(const haft_laws *laws, size_t count[HAFT_LAW_FAULTS]) {

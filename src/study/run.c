@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run from its start or from where another ended: what parts are there, what is left to do, and
- * the results made of all parts at the end, in order of realization. */
+ * the results and laws made of all parts at the end, in order of realization. */
 #include "crew.h"
 
 #include <stdio.h>
@@ -85,7 +85,7 @@ static haft_status restore(run *r) {
             haft_path *path = NULL;
             haft_summary summary;
             haft_status status =
-                haft_parts_read(&path, &summary, r->parts, k, r->model->dofs, r->error);
+                haft_parts_read(&path, &summary, NULL, r->parts, k, r->model->dofs, r->error);
             haft_path_destroy(&path);
             if (status != HAFT_OK) {
                 return status;
@@ -146,28 +146,29 @@ static haft_status take_complete(run *r) {
 
 static haft_status add_one(const run *r, haft_results *results, size_t k) {
     haft_path *path = NULL;
+    haft_laws *own = NULL;
     haft_site_laws *laws = NULL;
     haft_summary summary;
-    haft_status status = haft_parts_read(&path, &summary, r->parts, k, r->model->dofs, r->error);
+    haft_status status =
+        haft_parts_read(&path, &summary, &own, r->parts, k, r->model->dofs, r->error);
     if (status == HAFT_OK && haft_case_wants_evidence(r->c, k)) {
-        status = haft_study_site_laws(&laws, r->c, r->laws, k, r->error);
+        status = haft_study_site_laws(&laws, r->c, own != NULL ? own : r->laws, own != NULL ? 0 : k,
+                                      r->error);
     }
     if (status == HAFT_OK) {
         status = haft_results_add(results, k, path, r->model, laws == NULL ? NULL : laws->law,
                                   laws == NULL ? NULL : laws->vector, &summary, r->error);
     }
     haft_site_laws_destroy(&laws);
+    haft_laws_destroy(&own);
     haft_path_destroy(&path);
     return status;
 }
 
 static haft_status merge(run *r) {
     haft_results *results = NULL;
-    haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, NULL, NULL, r->error);
-    if (status == HAFT_OK) {
-        status = haft_results_create(&results, r->files->results, r->c, r->laws_digest,
-                                     r->mode != HAFT_RUN_NEW, r->error);
-    }
+    haft_status status = haft_results_create(&results, r->files->results, r->c, r->laws_digest,
+                                             r->mode != HAFT_RUN_NEW, r->error);
     for (size_t k = 0; status == HAFT_OK && k < r->desk.end; k++) {
         if (r->desk.done[k]) {
             status = add_one(r, results, k);
@@ -180,10 +181,45 @@ static haft_status merge(run *r) {
     return status;
 }
 
+/* Of laws that the beams have of their own: those of the first n realizations, all done, from their
+ * parts to laws.h5, unless that holds them already. */
+static haft_status save_laws(run *r, size_t n) {
+    size_t there = 0;
+    while (there < n && haft_study_has_laws(r->c, r->laws, there)) {
+        there++;
+    }
+    if (there == n || haft_sampler_is_stochastic(r->c->law.sampler)) {
+        return HAFT_OK;
+    }
+    haft_laws_destroy(&r->laws);
+    haft_laws **set = haft_memory_alloc(n, sizeof(haft_laws *), r->error);
+    haft_status status = set == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    for (size_t k = 0; status == HAFT_OK && k < n; k++) {
+        haft_path *path = NULL;
+        haft_summary summary;
+        status = haft_parts_read(&path, &summary, &set[k], r->parts, k, r->model->dofs, r->error);
+        haft_path_destroy(&path);
+    }
+    if (status == HAFT_OK) {
+        status = haft_laws_join(&r->laws, set, n, r->error);
+    }
+    for (size_t k = 0; set != NULL && k < n; k++) {
+        haft_laws_destroy(&set[k]);
+    }
+    haft_memory_free(set);
+    return status == HAFT_OK ? haft_laws_write(r->laws, r->c, r->files->laws, r->error) : status;
+}
+
 /* Makes the files of what is done. The parts go only when nothing is missing. */
 static haft_status conclude(run *r, haft_status outcome) {
     haft_error said = *r->error;
-    haft_status status = merge(r);
+    haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, NULL, NULL, r->error);
+    if (status == HAFT_OK) {
+        status = save_laws(r, r->desk.prefix);
+    }
+    if (status == HAFT_OK) {
+        status = merge(r);
+    }
     if (status == HAFT_OK && r->files->beside != NULL) {
         status = r->files->beside(r->files->user, r->desk.summary, r->laws, r->error);
     }
@@ -211,9 +247,30 @@ static void tell_stop(const run *r) {
 
 /* ---- all of it ---- */
 
+/* Fewer beams than threads: all threads build the laws of all of them first, block by block. A stop
+ * rule, which may need fewer beams, has them built one by one. */
+static haft_status build_together(run *r) {
+    bool direct = !haft_sampler_is_stochastic(r->c->law.sampler);
+    bool few = r->c->realizations < (size_t)omp_get_max_threads() && haft_study_ranks() == 1 &&
+               !(r->c->stop.crack_length_mean > 0) && haft_parts_found(r->parts) == 0;
+    size_t lacking = 0;
+    for (size_t k = 0; k < r->c->realizations; k++) {
+        lacking += !haft_study_has_laws(r->c, r->laws, k);
+    }
+    if (!direct || !few || lacking < r->c->realizations) {
+        return HAFT_OK;
+    }
+    haft_laws_destroy(&r->laws);
+    haft_status status = haft_study_build_laws(&r->laws, r->c, r->progress, r->error);
+    return status == HAFT_OK ? haft_laws_write(r->laws, r->c, r->files->laws, r->error) : status;
+}
+
 static haft_status prepare(run *r) {
     haft_status status = haft_study_obtain_laws(&r->laws, r->laws_digest, r->c, r->files->laws,
                                                 r->progress, r->error);
+    if (status == HAFT_OK) {
+        status = build_together(r);
+    }
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
     }
@@ -223,11 +280,16 @@ static haft_status prepare(run *r) {
     return status;
 }
 
-static haft_status go(run *r) {
-    haft_status status = prepare(r);
-    if (status != HAFT_OK) {
-        return status;
+/* Says how many beams' laws are to be built where some are there. */
+static void tell_lacking(const run *r, size_t lacking) {
+    if (lacking > 0 && r->laws != NULL) {
+        char text[HAFT_TEXT_CAPACITY];
+        snprintf(text, sizeof text, "%zu beams have no laws yet: building them", lacking);
+        tell(r, text);
     }
+}
+
+static haft_status work(run *r) {
     haft_crew crew = {.c = r->c,
                       .laws = r->laws,
                       .model = r->model,
@@ -236,14 +298,31 @@ static haft_status go(run *r) {
                       .desk = &r->desk,
                       .rank = haft_study_rank()};
     haft_error own = {0};
-    haft_desk_begin(&r->desk);
-    haft_relay_start(true);
-    r->started = true;
-    status = haft_crew_work(&crew, &own);
-    if (status != HAFT_OK) {
-        haft_desk_abort(&r->desk, status, own.message);
+    size_t lacking = 0;
+    haft_status status = haft_crew_equip(&crew, r->desk.done, &lacking, r->error);
+    if (status == HAFT_OK) {
+        tell_lacking(r, lacking);
+        haft_desk_begin(&r->desk);
+        haft_relay_start(true);
+        r->started = true;
+        status = haft_crew_work(&crew, &own);
+        if (status != HAFT_OK) {
+            haft_desk_abort(&r->desk, status, own.message);
+        }
+        status = haft_desk_outcome(&r->desk);
     }
-    status = haft_desk_outcome(&r->desk);
+    haft_crew_disband(&crew);
+    return status;
+}
+
+static haft_status go(run *r) {
+    haft_status status = prepare(r);
+    if (status == HAFT_OK) {
+        status = work(r);
+    }
+    if (!r->started) {
+        return status;
+    }
     if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->desk.count > 0)) {
         if (status == HAFT_OK) {
             tell_stop(r);
@@ -274,22 +353,32 @@ static haft_status begin(run *r) {
     return status == HAFT_OK ? check_results(r) : status;
 }
 
-/* What another rank than 0 does: its share of the realizations, and nothing else. */
-static haft_status lend_a_hand(run *r) {
-    if (!haft_relay_await_start()) {
-        return HAFT_OK; /* rank 0 says why */
-    }
+/* The laws as rank 0 sees them: a model must be there, beams' own laws need not. */
+static haft_status read_laws(run *r) {
     char built[HAFT_DIGEST_CAPACITY];
     haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
-    if (status == HAFT_OK) {
-        status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
+    if (status != HAFT_OK) {
+        return status;
     }
+    if (!haft_sampler_is_stochastic(r->c->law.sampler)) {
+        return haft_study_obtain_laws(&r->laws, built, r->c, r->files->laws, NULL, r->error);
+    }
+    status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
     if (status == HAFT_OK && strcmp(built, r->laws_digest) != 0) {
         status = haft_error_set(r->error, HAFT_ERROR_INPUT,
                                 "%s was built from other inputs than rank %d sees; do all ranks "
                                 "see the same files?",
                                 r->files->laws, haft_study_rank());
     }
+    return status;
+}
+
+/* What another rank than 0 does: its share of the realizations, and nothing else. */
+static haft_status lend_a_hand(run *r) {
+    if (!haft_relay_await_start()) {
+        return HAFT_OK; /* rank 0 says why */
+    }
+    haft_status status = read_laws(r);
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
     }
@@ -300,7 +389,11 @@ static haft_status lend_a_hand(run *r) {
                           .folder = r->files->parts,
                           .laws_digest = r->laws_digest,
                           .rank = haft_study_rank()};
-        status = haft_crew_work(&crew, r->error);
+        status = haft_crew_equip(&crew, NULL, NULL, r->error);
+        if (status == HAFT_OK) {
+            status = haft_crew_work(&crew, r->error);
+        }
+        haft_crew_disband(&crew);
     }
     haft_relay_leave(status, r->error->message);
     return HAFT_OK;

@@ -3,12 +3,20 @@
  * is asked for; or drawn from the model. */
 #include "haft/study.h"
 
+#include <float.h>
 #include <math.h>
 
 static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r, size_t k,
                               haft_error *error) {
-    haft_status status = haft_law_table_create(&s->table[r], laws->n, laws->distance,
-                                               laws->force + k * laws->n, error);
+    const double *curve = haft_laws_curve(laws, k);
+    if (curve == NULL) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "the laws hold no curve of site %zu; set output.curves: all and build "
+            "them again",
+            r);
+    }
+    haft_status status = haft_law_table_create(&s->table[r], laws->n, laws->distance, curve, error);
     if (status != HAFT_OK) {
         haft_error_prefix(error, "the curve of site %zu (%s): ", r,
                           haft_law_fault_name(laws->fault[k]));
@@ -59,14 +67,91 @@ static haft_status draw_laws(haft_site_laws *s, const haft_case *c, const haft_l
     return status;
 }
 
-static haft_status take_laws(haft_site_laws *s, const haft_case *c, const haft_laws *laws,
-                             size_t realization, haft_error *error) {
+/* Sites before the zone have no laws: the one in the zone that reaches farthest stands in for them,
+ * to tell whether they stay out of reach. */
+static void stand_in(haft_site_laws *s, size_t first) {
+    size_t farthest = first;
+    double reach = 0;
+    for (size_t r = first; r < s->sites && first > 0; r++) {
+        double own = haft_law_reach(&s->law[r], DBL_EPSILON);
+        if (own > reach) {
+            reach = own;
+            farthest = r;
+        }
+    }
+    for (size_t r = 0; r < first; r++) {
+        s->law[r] = s->law[farthest];
+        s->vector[r] = s->vector[farthest];
+    }
+}
+
+static haft_status use_laws(haft_site_laws *s, const haft_case *c, const haft_laws *laws,
+                            size_t realization, haft_error *error) {
+    size_t first = haft_study_first_site(c);
+    if (!haft_study_has_sites(c, laws, realization)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "there are no laws of realization %zu for all its sites; `haft-laws "
+                              "build --force` builds all",
+                              realization);
+    }
+    size_t from = realization * laws->sites;
     haft_status status = HAFT_OK;
-    for (size_t r = 0; r < s->sites && status == HAFT_OK; r++) {
-        status = make_law(s, c, laws, r, realization * laws->sites + r, error);
+    for (size_t r = first; r < s->sites && status == HAFT_OK; r++) {
+        status = make_law(s, c, laws, r, from + r - laws->first_site, error);
+    }
+    if (status == HAFT_OK) {
+        stand_in(s, first);
     }
     return status;
 }
+
+/* ---- which laws there are, and which are wanted ---- */
+
+bool haft_study_has_sites(const haft_case *c, const haft_laws *laws, size_t realization) {
+    return laws != NULL && laws->chaos == NULL && realization < laws->m / laws->sites &&
+           laws->first_site <= haft_study_first_site(c) &&
+           laws->first_site + laws->sites >= haft_study_sites(c);
+}
+
+/* Whether the solver takes the curve of a law with this fault. */
+static bool takes_curve(const haft_case *c, haft_law_fault fault) {
+    return c->law.kind == HAFT_LAW_TABLE || fault != HAFT_LAW_SOUND;
+}
+
+bool haft_study_has_laws(const haft_case *c, const haft_laws *laws, size_t realization) {
+    if (!haft_study_has_sites(c, laws, realization)) {
+        return false;
+    }
+    size_t from = realization * laws->sites - laws->first_site, end = haft_study_sites(c);
+    for (size_t r = haft_study_first_site(c); r < end; r++) {
+        if (takes_curve(c, laws->fault[from + r]) && haft_laws_curve(laws, from + r) == NULL) {
+            return false;
+        }
+    }
+    return true;
+}
+
+haft_status haft_study_take_laws(haft_laws **out, const haft_case *c, const haft_laws *laws,
+                                 size_t set, size_t realization, haft_error *error) {
+    bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
+    size_t first = stochastic ? 0 : haft_study_first_site(c) - laws->first_site;
+    size_t count = stochastic ? laws->m : haft_study_sites(c) - haft_study_first_site(c);
+    bool *keep = haft_memory_alloc(count, sizeof *keep, error);
+    if (keep == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    bool all =
+        c->curves == HAFT_CURVES_ALL || (!stochastic && haft_case_wants_evidence(c, realization));
+    for (size_t i = 0; i < count; i++) {
+        haft_law_fault fault = laws->fault[set * laws->sites + first + i];
+        keep[i] = all || (!stochastic && takes_curve(c, fault));
+    }
+    haft_status status = haft_laws_select(out, laws, set * laws->sites + first, count, keep, error);
+    haft_memory_free(keep);
+    return status;
+}
+
+/* ---- the laws of a beam ---- */
 
 haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
                                  size_t realization, haft_error *error) {
@@ -76,13 +161,13 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
         return HAFT_ERROR_MEMORY;
     }
     bool drawn = haft_sampler_is_stochastic(c->law.sampler);
-    s->sites = drawn ? haft_study_sites(c) : laws->sites;
+    s->sites = haft_study_sites(c);
     s->law = haft_memory_alloc(s->sites, sizeof *s->law, error);
     s->table = haft_memory_alloc(s->sites, sizeof *s->table, error);
     s->vector = haft_memory_alloc(s->sites, sizeof *s->vector, error);
     haft_status status = s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
-        status = (drawn ? draw_laws : take_laws)(s, c, laws, realization, error);
+        status = (drawn ? draw_laws : use_laws)(s, c, laws, realization, error);
     }
     if (status != HAFT_OK) {
         haft_site_laws_destroy(&s);

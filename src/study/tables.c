@@ -106,7 +106,7 @@ haft_status haft_study_write_laws(const haft_laws *laws, const char *path, haft_
     for (size_t k = 0; k < laws->m; k++) {
         const haft_law_vector *v = &laws->vector[k];
         double row[COLUMNS] = {(double)(k / laws->sites),
-                               (double)(k % laws->sites),
+                               (double)(laws->first_site + k % laws->sites),
                                laws->fault[k],
                                v->e * 1e3,
                                v->f_max * 1e-6,

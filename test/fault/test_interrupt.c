@@ -32,9 +32,14 @@ static void check_listing(const case_folder *c, const char *expected) {
     free(names);
 }
 
+/* A model of so many patches that it is not built before it is stopped. */
+static const edit great_model[] = {
+    {"  sampler: explicit ", "  sampler: gpce\n  chaos: {vectors: 20000, order: 3}\n  #"},
+    {NULL, NULL}};
+
 static void laws_that_are_stopped_leave_nothing(void **state) {
     (void)state;
-    case_folder c = case_create((edit[]){{"realizations: 2", "realizations: 400"}, {NULL, NULL}});
+    case_folder c = case_create(great_model);
     static const struct {
         const char *program, *command, *says;
         int number;
@@ -42,7 +47,7 @@ static void laws_that_are_stopped_leave_nothing(void **state) {
                 {HAFT, "run", "haft: stopped while the laws were being built", SIGTERM},
                 {HAFT_LAWS, "build", "haft-laws: stopped while the laws were being built", SIGINT}};
     for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
-        /* the first tenth of 3200 blocks is told after seconds: stop at the words before them */
+        /* the first tenth of the patches is told after seconds: stop at the words before them */
         bool laws = strcmp(runs[i].command, "build") == 0;
         if (laws) {
             case_write(&c, (edit[]){{"realizations: 2", "realizations: 40"}, {NULL, NULL}});
@@ -71,7 +76,7 @@ static void a_forced_run_that_is_stopped_leaves_the_old(void **state) {
     for (int i = 0; i < FILES; i++) {
         before[i] = read_whole_file(path_in(&c, names[i], path), &size[i]);
     }
-    case_write(&c, (edit[]){{"realizations: 2", "realizations: 400"}, {NULL, NULL}});
+    case_write(&c, great_model);
     ran r = stop_program(HAFT, ARGS("run", "--force", c.path), "building them", SIGTERM);
     assert_int_equal(r.code, 130);
     ran_free(&r);

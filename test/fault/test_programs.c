@@ -64,7 +64,7 @@ static void wrong_usage_is_told(void **state) {
     case_folder c = case_create(NULL);
     const char *p = c.path;
     check_refused(&c, 2, HAFT, ARGS("fly", p),
-                  SAYS("\"fly\"", "try check, run, resume, plot or info"));
+                  SAYS("\"fly\"", "try check, run, resume, plot, info, report, budget or compare"));
     check_refused(&c, 2, HAFT_LAWS, ARGS("fly", p),
                   SAYS("\"fly\"", "try build, info, sample or fit"));
     check_refused(&c, 2, HAFT, ARGS("run"), SAYS("a command and a case are needed", "haft run"));
@@ -194,7 +194,10 @@ static void an_output_that_cannot_be_written_is_told(void **state) {
  * nothing stays, and what was there before is whole. */
 static void a_full_disk_leaves_nothing_half_written(void **state) {
     (void)state;
-    case_folder c = case_create(NULL);
+    /* laws that are there already and take no room beside a beam's path */
+    case_folder c = case_create(
+        (edit[]){{"  sampler: explicit ", "  sampler: gpce\n  chaos: {vectors: 60, order: 3}\n  #"},
+                 {NULL, NULL}});
     static const rlim_t limits[] = {600, 20000};
     for (size_t i = 0; i < 2; i++) {
         ran r = end_program(start_program(HAFT, ARGS("run", "--quiet", c.path), limits[i]));

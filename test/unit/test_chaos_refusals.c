@@ -174,7 +174,7 @@ static void bad_parts_are_named(void **state) {
     REFUSE(x.p.terms = 9, "have 10");
     REFUSE(x.p.order = 1, "have 4");
     REFUSE(x.p.centre = NULL, "missing");
-    REFUSE(x.p.f_limit = -1, "f_limit");
+    REFUSE(x.p.f_limit = 0, "f_limit");
     REFUSE(x.p.bandwidth = 0, "bandwidth is 0");
     REFUSE(x.p.bandwidth = NAN, "bandwidth is nan");
     REFUSE(x.p.sigma[3] = 0, "sigma[3] is 0");

@@ -262,8 +262,8 @@ static void bad_tables_are_told_by_line(void **state) {
     scratch_remove(&s);
 }
 
-/* The laws' digest: a stochastic sampler does not care for the beam's length or how many beams
- * there are, nor which of the samplers it is, but for the model's choices. */
+/* The laws' digest: no sampler cares for the beam's length or how many beams there are; a
+ * stochastic one not for which of them it is either, but for the model's choices. */
 static void the_digest_knows_what_the_model_depends_on(void **state) {
     (void)state;
     haft_error error = {0};
@@ -284,6 +284,10 @@ static void the_digest_knows_what_the_model_depends_on(void **state) {
     check_ok(haft_case_laws_digest(c, next, &error), error);
     assert_string_equal(next, first);
     c->realizations++;
+    c->beam.length *= 2;
+    check_ok(haft_case_laws_digest(c, next, &error), error);
+    assert_string_equal(next, first);
+    c->law.sampler = HAFT_SAMPLER_EXPLICIT;
     check_ok(haft_case_laws_digest(c, next, &error), error);
     assert_string_not_equal(next, first);
     haft_case_destroy(&c);

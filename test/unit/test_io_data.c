@@ -45,6 +45,59 @@ static haft_laws *make_laws(void) {
     return laws;
 }
 
+/* A set that has kept some curves, of sites that begin later: there and back, and what is refused
+ * of its index. */
+static void laws_with_some_curves_read_back(void **state) {
+    (void)state;
+    static const int keeps[][3] = {{0, 2, 5}, {4, -1, -1}, {-1, -1, -1}};
+    scratch s = scratch_create();
+    char path[400];
+    scratch_path(&s, "laws.h5", path);
+    haft_error error = {0};
+    haft_case *c = read_model(2);
+    haft_laws *laws = make_laws();
+    laws->first_site = 7;
+    for (size_t i = 0; i < 3; i++) {
+        haft_laws *some = NULL, *back = NULL;
+        bool keep[6] = {false};
+        size_t kept = 0;
+        for (size_t j = 0; j < 3 && keeps[i][j] >= 0; j++) {
+            keep[keeps[i][j]] = true;
+            kept++;
+        }
+        check_ok(haft_laws_select(&some, laws, 0, 6, keep, &error), error);
+        assert_int_equal(some->first_site, 7);
+        check_ok(haft_laws_write(some, c, path, &error), error);
+        check_ok(haft_laws_read(&back, NULL, path, &error), error);
+        assert_true(back->m == 6 && back->n == laws->n && back->curves == kept);
+        assert_int_equal(back->first_site, 7);
+        assert_memory_equal(back->vector, laws->vector, 6 * sizeof *laws->vector);
+        assert_memory_equal(back->wet_area, laws->wet_area, 6 * sizeof(double));
+        for (size_t k = 0; k < 6; k++) {
+            const double *curve = haft_laws_curve(back, k);
+            assert_int_equal(curve != NULL, keep[k]);
+            if (curve != NULL) {
+                assert_memory_equal(curve, laws->force + k * laws->n, laws->n * sizeof(double));
+            }
+        }
+        haft_laws_destroy(&back);
+        if (kept == 3) { /* an index that does not rise, or beyond the laws */
+            some->curve_law[1] = 5;
+            check_ok(haft_laws_write(some, c, path, &error), error);
+            assert_int_equal(haft_laws_read(&back, NULL, path, &error), HAFT_ERROR_INPUT);
+            assert_non_null(strstr(error.message, "rising laws"));
+            some->curve_law[1] = 2;
+            some->curve_law[2] = 6;
+            check_ok(haft_laws_write(some, c, path, &error), error);
+            assert_int_equal(haft_laws_read(&back, NULL, path, &error), HAFT_ERROR_INPUT);
+        }
+        haft_laws_destroy(&some);
+    }
+    haft_laws_destroy(&laws);
+    haft_case_destroy(&c);
+    scratch_remove(&s);
+}
+
 static void laws_read_back_to_the_same_bits(void **state) {
     (void)state;
     scratch s = scratch_create();
@@ -417,6 +470,7 @@ static void csv_holds_rows_and_columns(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(laws_read_back_to_the_same_bits),
+        cmocka_unit_test(laws_with_some_curves_read_back),
         cmocka_unit_test(results_read_back_to_the_same_bits),
         cmocka_unit_test(written_twice_is_the_same_file),
         cmocka_unit_test(documented_names_are_there),

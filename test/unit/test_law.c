@@ -240,7 +240,8 @@ static void morse_refuses_what_is_no_vector(void **state) {
         v = good;
         v.f_max = bad[i];
         assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_INVALID);
-        assert_int_equal(haft_law_morse(&law, &good, bad[i]), HAFT_LAW_INVALID);
+        assert_int_equal(haft_law_morse(&law, &good, bad[i]),
+                         bad[i] == -1 ? HAFT_LAW_SOUND : HAFT_LAW_INVALID);
     }
     haft_law_vector v = good;
     v.d_limit = v.d_max;
@@ -248,6 +249,51 @@ static void morse_refuses_what_is_no_vector(void **state) {
     v.d_limit = -INFINITY;
     assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_INVALID);
     assert_int_equal(haft_law_morse(&law, &good, 5e6), HAFT_LAW_SOUND);
+}
+
+static void a_limit_may_be_a_share_of_the_pull(void **state) {
+    (void)state;
+    const haft_law_vector v = {.e = 2e-6, .f_max = 2.5e3, .d_max = 1.5e-8, .d_limit = 1.47e-8};
+    haft_law by_share, by_push;
+    assert_int_equal(haft_law_morse(&by_share, &v, haft_law_share(0.2)), HAFT_LAW_SOUND);
+    assert_int_equal(haft_law_morse(&by_push, &v, 500), HAFT_LAW_SOUND);
+    check_relative(by_share.a_left, by_push.a_left, 1e-14);
+    check_relative(by_share.a_right, by_push.a_right, 1e-14);
+    check_relative(by_share.wall_force, 500.0, 1e-14);
+    check_relative(haft_law_evaluate(&by_share, v.d_limit).force, 500.0, 1e-12);
+    check_relative(haft_law_limit(haft_law_share(0.2), v.f_max), 500.0, 1e-15);
+    assert_true(haft_law_limit(5e6, v.f_max) == 5e6);
+    /* Read off its own curve it is the same law; a share that the curve does not reach is told. */
+    enum { N = 4001 };
+    static double d[N], f[N];
+    for (int i = 0; i < N; i++) {
+        d[i] = 1.46e-8 + 2e-12 * i;
+        f[i] = haft_law_evaluate(&by_share, d[i]).force;
+    }
+    haft_law_vector found;
+    assert_int_equal(haft_law_characterise(N, d, f, haft_law_share(0.2), &found), HAFT_LAW_SOUND);
+    check_near(found.d_limit, v.d_limit, 1e-14);
+    check_relative(found.e, v.e, 1e-4);
+    assert_int_equal(haft_law_characterise(N, d, f, haft_law_share(1e3), &found),
+                     HAFT_LAW_RANGE_LEFT);
+}
+
+static void misfit_is_the_energy_out_of_place(void **state) {
+    (void)state;
+    enum { N = 2001 };
+    static double d[N], f[N], moved[N];
+    const haft_law_vector v = {.e = 2e-3, .f_max = 4e5, .d_max = 1.1e-8, .d_limit = 7.5e-9};
+    haft_law law;
+    assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_SOUND);
+    for (int i = 0; i < N; i++) {
+        d[i] = 7e-9 + 4e-11 * i;
+        f[i] = haft_law_evaluate(&law, d[i]).force;
+        moved[i] = f[i] - (i >= 500 && i < 600 ? 1e4 : 0); /* a flat second well of 40 uJ/m2 */
+    }
+    check_near(haft_law_misfit(&law, N, d, f), 0, 1e-15);
+    check_relative(haft_law_misfit(&law, N, d, moved), 4e-5 / (v.e + 4e-5), 1e-3);
+    memset(moved, 0, sizeof moved);
+    assert_true(!isfinite(haft_law_misfit(&law, N, d, moved)));
 }
 
 static void reach_inverts_the_pull(void **state) {
@@ -460,6 +506,8 @@ int main(void) {
         cmocka_unit_test(the_wall_is_linear_and_nothing_overflows),
         cmocka_unit_test(the_bound_is_sharp),
         cmocka_unit_test(morse_refuses_what_is_no_vector),
+        cmocka_unit_test(a_limit_may_be_a_share_of_the_pull),
+        cmocka_unit_test(misfit_is_the_energy_out_of_place),
         cmocka_unit_test(reach_inverts_the_pull),
         cmocka_unit_test(a_table_passes_through_its_points_monotonely),
         cmocka_unit_test(a_tables_derivatives_agree),

@@ -99,6 +99,9 @@ static void blocks_hold_whole_patches(void **state) {
 
 enum { SITES = 3, POINTS = 201 };
 
+/* A beam of as many sites. */
+#define BEAM .beam = {.length = SITES * 3e-6}, .mesh = {.l_meso = 3e-6}
+
 /* Two beams of three sites. All curves are one Morse law's, sampled, but for site 1 of beam 1,
  * which is said to have two wells. */
 static haft_laws *make_laws(haft_law *law) {
@@ -163,7 +166,7 @@ static void an_unfit_curve_is_used_itself_and_counted(void **state) {
     haft_error error = {0};
     haft_law law;
     haft_laws *laws = make_laws(&law);
-    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_TABLE}};
+    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_TABLE}, BEAM};
     haft_site_laws *s = NULL;
     check_ok(haft_study_site_laws(&s, &c, laws, 0, &error), error);
     assert_true(s->sites == SITES && s->unfit == 0);
@@ -187,7 +190,7 @@ static void an_unfit_curve_stops_where_asked(void **state) {
     haft_error error = {0};
     haft_law law;
     haft_laws *laws = make_laws(&law);
-    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_STOP}};
+    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_STOP}, BEAM};
     haft_site_laws *s = NULL;
     check_ok(haft_study_site_laws(&s, &c, laws, 0, &error), error);
     haft_site_laws_destroy(&s);
@@ -219,12 +222,105 @@ static void a_curve_without_a_wall_is_refused(void **state) {
     for (size_t i = 0; i < POINTS; i++) {
         laws->force[POINTS + i] = -1e6 * exp(-0.1 * (double)i);
     }
-    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_TABLE}};
+    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_TABLE}, BEAM};
     haft_error error = {0};
     haft_site_laws *s = NULL;
     assert_int_equal(haft_study_site_laws(&s, &c, laws, 0, &error), HAFT_ERROR_INPUT);
     assert_null(s);
     assert_non_null(strstr(error.message, "site 1"));
+    haft_laws_destroy(&laws);
+}
+
+/* ---- sites that never come into range, and curves that are not needed ---- */
+
+/* A Morse law that the others of make_laws() are not; of what reach is told by its energy. */
+static void set_law(haft_laws *laws, size_t k, double energy) {
+    laws->vector[k].e = energy;
+    laws->vector[k].f_max = 2e6;
+    laws->vector[k].d_max = 11e-9;
+    laws->vector[k].d_limit = 8e-9;
+}
+
+/* Laws of sites 2, 3 and 4 serve a beam whose zone begins there or later: the sites before are left
+ * to the law that reaches farthest. */
+static void sites_before_the_zone_have_a_stand_in(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_law law;
+    haft_laws *laws = make_laws(&law);
+    laws->first_site = 2;
+    set_law(laws, 0, 8e-3);
+    set_law(laws, 1, 20e-3); /* the slowest to fall off */
+    set_law(laws, 2, 10e-3);
+    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_TABLE},
+                   .beam = {.length = 15e-6},
+                   .mesh = {.kind = HAFT_MESH_ACTIVE, .l_meso = 3e-6, .active_from = 7e-6},
+                   .realizations = 2};
+    assert_int_equal(haft_study_first_site(&c), 2); /* 1.5 and 4.5 um lie before */
+    assert_int_equal(haft_study_law_count(&c), 6);
+    haft_site_laws *s = NULL;
+    check_ok(haft_study_site_laws(&s, &c, laws, 0, &error), error);
+    assert_int_equal(s->sites, 5);
+    for (size_t r = 0; r < 5; r++) {
+        check_near(s->vector[r].e, laws->vector[r < 2 ? 1 : r - 2].e, 0);
+        assert_memory_equal(&s->law[r], &s->law[r < 2 ? 3 : r], sizeof *s->law);
+    }
+    haft_site_laws_destroy(&s);
+    c.mesh.active_from = 10e-6; /* a later zone needs fewer of them */
+    check_ok(haft_study_site_laws(&s, &c, laws, 0, &error), error);
+    check_near(s->vector[0].e, 20e-3, 0);
+    check_near(s->vector[3].e, 20e-3, 0);
+    haft_site_laws_destroy(&s);
+    c.mesh.active_from = 4e-6; /* an earlier one, or a longer beam, more than there are */
+    assert_int_equal(haft_study_site_laws(&s, &c, laws, 0, &error), HAFT_ERROR_INPUT);
+    assert_null(s);
+    assert_non_null(strstr(error.message, "no laws of realization 0 for all its sites"));
+    c.mesh.active_from = 7e-6;
+    assert_true(haft_study_has_laws(&c, laws, 1) && !haft_study_has_laws(&c, laws, 2) &&
+                !haft_study_has_laws(&c, NULL, 0));
+    c.beam.length = 18e-6;
+    assert_false(haft_study_has_laws(&c, laws, 1));
+    haft_laws_destroy(&laws);
+}
+
+/* What is kept by `needed`: the curve of the law that is unfit, and a realization's of evidence. */
+static void curves_that_are_needed_are_kept(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_law law;
+    haft_laws *laws = make_laws(&law), *part[2] = {NULL, NULL}, *all = NULL;
+    size_t evidence[1] = {0};
+    haft_case c = {.law = {.kind = HAFT_LAW_MORSE, .unfit = HAFT_UNFIT_TABLE},
+                   .evidence = {.count = 1, .realization = evidence},
+                   .curves = HAFT_CURVES_NEEDED,
+                   .realizations = 2,
+                   BEAM};
+    for (size_t k = 0; k < 2; k++) {
+        check_ok(haft_study_take_laws(&part[k], &c, laws, k, k, &error), error);
+        assert_int_equal(part[k]->m, SITES);
+        assert_int_equal(part[k]->curves, k == 0 ? SITES : 1);
+    }
+    check_ok(haft_laws_join(&all, part, 2, &error), error);
+    assert_true(part[0] == NULL && part[1] == NULL);
+    assert_true(all->m == 2 * SITES && all->sites == SITES && all->curves == SITES + 1);
+    for (size_t k = 0; k < all->m; k++) {
+        const double *curve = haft_laws_curve(all, k);
+        assert_int_equal(curve != NULL, k < SITES || k == SITES + 1);
+        if (curve != NULL) {
+            assert_memory_equal(curve, haft_laws_curve(laws, k), POINTS * sizeof(double));
+        }
+        assert_memory_equal(&all->vector[k], &laws->vector[k], sizeof *all->vector);
+        assert_int_equal(all->fault[k], laws->fault[k]);
+    }
+    assert_null(haft_laws_curve(all, all->m));
+    assert_true(haft_study_has_laws(&c, all, 0) && haft_study_has_laws(&c, all, 1));
+    c.law.kind = HAFT_LAW_TABLE; /* now the others are missing */
+    assert_true(haft_study_has_laws(&c, all, 0) && !haft_study_has_laws(&c, all, 1));
+    assert_true(haft_study_has_laws(&c, laws, 1));
+    haft_site_laws *s = NULL;
+    assert_int_equal(haft_study_site_laws(&s, &c, all, 1, &error), HAFT_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "no curve of site 0; set output.curves: all"));
+    haft_laws_destroy(&all);
     haft_laws_destroy(&laws);
 }
 
@@ -237,6 +333,8 @@ int main(void) {
         cmocka_unit_test(an_unfit_curve_is_used_itself_and_counted),
         cmocka_unit_test(an_unfit_curve_stops_where_asked),
         cmocka_unit_test(a_curve_without_a_wall_is_refused),
+        cmocka_unit_test(sites_before_the_zone_have_a_stand_in),
+        cmocka_unit_test(curves_that_are_needed_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

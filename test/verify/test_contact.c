@@ -42,7 +42,11 @@ typedef struct answer {
 
 static void get_curve(answer *a, haft_asperity_model model, double range, const double *z, size_t n,
                       double low, double high) {
-    haft_contact_spec spec = {model, modulus, range > 0, -22.5e6, range};
+    haft_contact_spec spec = {.asperities = model,
+                              .modulus = modulus,
+                              .has_capillary = range > 0,
+                              .pressure = -22.5e6,
+                              .capillary_range = range};
     for (int k = 0; k < LEVELS; k++) {
         a->distance[k] = low + (high - low) * k / (LEVELS - 1);
     }

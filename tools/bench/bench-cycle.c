@@ -66,12 +66,11 @@ static void get_laws(bench *b, const char *directory, bool random) {
     size_t sites = (size_t)llround(b->c->beam.length / b->c->mesh.l_meso);
     snprintf(path, sizeof path, "%s/out/laws.h5", directory);
     if (!random && haft_laws_read(&b->laws, NULL, path, &error) == HAFT_OK) {
-        if (b->laws->sites != sites) {
-            fprintf(stderr, "bench-cycle: %s holds %zu sites a beam, the case %zu\n", path,
-                    b->laws->sites, sites);
+        if (!haft_study_has_sites(b->c, b->laws, 0)) {
+            fprintf(stderr, "bench-cycle: %s holds other sites than the case's\n", path);
             exit(1);
         }
-        int held = (int)(b->laws->m / sites);
+        int held = (int)(b->laws->m / b->laws->sites);
         b->beams = b->beams < held ? b->beams : held;
     }
     for (int k = 0; k < b->beams; k++) {

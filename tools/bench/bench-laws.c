@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the laws of one beam cost, against the floor: bare FFTW complex-to-real 2-D transforms of as
  * many points, block by block, planned with the same flag. Where the time goes; and what a finer
- * grid or kernel buys.
+ * grid or kernel buys; and what a beam of its own surface costs in all, with the laws of every site
+ * and with those alone that can come into range.
  *
  *     bench-laws [-r rounds] [-p patches] [-s] [case directory]
  *
@@ -36,11 +37,13 @@ typedef struct sample {
 } sample;
 
 typedef struct breakdown {
-    double plan, noise, prepare, rows, islands, summits, characterise, above;
+    double plan, noise, prepare, rows, islands, summits, vdw_islands, vdw_summits, characterise,
+        above;
 } breakdown;
 
+/* Those that get laws. */
 static size_t sites_of(const haft_case *c) {
-    return (size_t)llround(c->beam.length / c->mesh.l_meso);
+    return haft_study_sites(c) - haft_study_first_site(c);
 }
 
 static size_t rows_of(const haft_case *c) {
@@ -185,6 +188,7 @@ typedef struct bench {
     haft_surface_plan *plan;
     haft_surface_work *surface;
     haft_contact_work *work;
+    haft_maugis_table *maugis;
     size_t n;
     double *z, *distance, *force, *contact_area, *wet_area, *asperities;
 } bench;
@@ -195,6 +199,8 @@ static void make_bench(bench *b, const haft_case *c, haft_error *error) {
     b->c = c;
     b->n = (size_t)llround(span / c->contact.distance_step) + 1;
     must(haft_study_contact_spec(&b->contact, c, error), error);
+    must(haft_maugis_table_create(&b->maugis, error), error);
+    b->contact.maugis = b->maugis;
     must(haft_study_surface_plan(&b->plan, c, haft_study_block_patches(c), error), error);
     must(haft_surface_work_create(&b->surface, b->plan, error), error);
     must(haft_contact_work_create(&b->work, rows_of(c), columns_of(c), error), error);
@@ -229,9 +235,28 @@ static double time_noise(const bench *b) {
     return time;
 }
 
+/* The same curve without and with van der Waals forces, those through water. */
+static void time_vdw(bench *b, haft_curve *curve, breakdown *t, haft_error *error) {
+    const haft_case *c = b->c;
+    haft_contact_spec spec = b->contact;
+    haft_vdw_spec water = {.hamaker = 9.75e-20, .r0 = 2.09e-10};
+    spec.has_vdw = true;
+    must(haft_vdw_from_spec(&spec.vdw, &water, error), error);
+    for (int k = 0; k < 2; k++) {
+        spec.asperities = k == 0 ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
+        double start = now();
+        must(haft_contact_curve(b->work, &spec, b->z, rows_of(c), columns_of(c),
+                                c->surface.grid_step, curve, error),
+             error);
+        *(k == 0 ? &t->vdw_islands : &t->vdw_summits) += now() - start;
+    }
+}
+
 static void time_patch(bench *b, breakdown *t, haft_error *error) {
     const haft_case *c = b->c;
     haft_curve curve = {b->n, b->distance, b->force, b->contact_area, b->wet_area, b->asperities};
+    time_vdw(b, &curve, t, error);
+    b->contact.has_vdw = false;
     for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
         bool islands = (c->contact.asperities == HAFT_ASPERITY_ISLANDS) == (k == 1);
         b->contact.asperities = islands ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
@@ -244,9 +269,9 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
     haft_law_vector vector;
     haft_law law;
     double start = now();
-    if (haft_law_characterise(b->n, b->distance, b->force, c->law.f_limit, &vector) ==
+    if (haft_law_characterise(b->n, b->distance, b->force, haft_case_limit(c), &vector) ==
         HAFT_LAW_SOUND) {
-        haft_law_morse(&law, &vector, c->law.f_limit);
+        haft_law_morse(&law, &vector, haft_case_limit(c));
     }
     haft_contact_zero_force(&curve);
     t->characterise += now() - start;
@@ -284,10 +309,11 @@ static void break_down(const haft_case *c, double floor) {
     const struct {
         const char *name;
         double time;
-    } part[] = {{"plan (once a case)", t.plan},   {"surface: prepare", t.prepare},
-                {"  of it normals", t.noise},     {"surface: rows", t.rows},
-                {"curve, islands", t.islands},    {"curve, summits", t.summits},
-                {"characterise", t.characterise}, {"floor", floor}};
+    } part[] = {{"plan (once a case)", t.plan},         {"surface: prepare", t.prepare},
+                {"  of it normals", t.noise},           {"surface: rows", t.rows},
+                {"curve, islands", t.islands},          {"curve, summits", t.summits},
+                {"  with vdW, islands", t.vdw_islands}, {"  with vdW, summits", t.vdw_summits},
+                {"characterise", t.characterise},       {"floor", floor}};
     printf("\nWhere the time goes, one thread; %.2f %% of the points lie above the least "
            "distance\n",
            100 * t.above / (double)sites);
@@ -296,10 +322,70 @@ static void break_down(const haft_case *c, double floor) {
         printf("%-20s %10.3f %12.3f %12.3f\n", part[i].name, part[i].time,
                1e9 * part[i].time / points, part[i].time / floor);
     }
+    double patch = t.prepare + t.rows;
+    printf("a patch with van der Waals forces over one without: islands %.2f, summits %.2f\n",
+           (patch + t.vdw_islands) / (patch + t.islands),
+           (patch + t.vdw_summits) / (patch + t.summits));
     haft_memory_free(b.z);
+    haft_maugis_table_destroy(&b.maugis);
     haft_contact_work_destroy(&b.work);
     haft_surface_work_destroy(&b.surface);
     haft_surface_plan_destroy(&b.plan);
+}
+
+/* ---- a beam in all ---- */
+
+/* Laws and path of a beam by one thread; the time of the path goes into `zero_distance`, the crack
+ * into `e`. */
+static void follow(const haft_case *c, int threads, sample *out) {
+    haft_laws *laws = NULL;
+    haft_site_laws *sites = NULL;
+    haft_model *model = NULL;
+    haft_path *path = NULL;
+    haft_summary summary = {0};
+    omp_set_num_threads(threads);
+    double start = now();
+    haft_status status = haft_study_build_laws(&laws, c, NULL, &out->error);
+    out->seconds = now() - start;
+    start = now();
+    if (status == HAFT_OK) {
+        status = haft_model_create_beam(&model, &c->beam, &c->mesh, &out->error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_site_laws(&sites, c, laws, 0, &out->error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_realize(&path, &summary, c, model, sites, false, &out->error);
+    }
+    out->zero_distance = now() - start;
+    out->e = summary.crack_length;
+    haft_path_destroy(&path);
+    haft_site_laws_destroy(&sites);
+    haft_model_destroy(&model);
+    haft_laws_destroy(&laws);
+}
+
+static void time_beam(const haft_case *base, int rounds) {
+    static const haft_mesh_kind mesh[] = {HAFT_MESH_EXACT, HAFT_MESH_ACTIVE};
+    printf("\nA beam of %g um in all, its laws and its path, one thread, median of %d\n",
+           1e6 * base->beam.length, rounds);
+    printf("%-22s %8s %10s %10s %10s %14s\n", "laws of", "sites", "laws [s]", "path [s]", "all [s]",
+           "crack [um]");
+    for (int i = 0; i < 2; i++) {
+        double laws[ROUND_LIMIT], path[ROUND_LIMIT], crack = NAN;
+        haft_case c = *base;
+        c.mesh.kind = mesh[i];
+        for (int r = 0; r < rounds; r++) {
+            sample s = apart(follow, &c, 1);
+            laws[r] = s.seconds;
+            path[r] = s.zero_distance;
+            crack = s.e;
+        }
+        double a = median(laws, rounds), b = median(path, rounds);
+        printf("%-22s %8zu %10.2f %10.2f %10.2f %14.9f\n",
+               i == 0 ? "every site" : "those that may touch", sites_of(&c), a, b, a + b,
+               1e6 * crack);
+    }
 }
 
 /* ---- speed against error ---- */
@@ -372,6 +458,9 @@ int main(int count, char **arguments) {
     double floor = 0;
     compare_with_floor(c, rounds, &floor);
     break_down(c, floor);
+    if (patches == 0) { /* a shortened beam comes to no crack */
+        time_beam(c, rounds);
+    }
     if (study) {
         study_error(c);
     }

@@ -42,7 +42,8 @@ with h5py.File(sys.argv[1] + "/out/laws.h5") as laws:
     d_limit = d_max - np.exp(raw[3])
     e = np.exp(raw[0])
     if attribute["bounds"] == "strict":
-        a_left = np.log1p(np.sqrt(1 + attribute["f_limit"] / f_max)) / (d_max - d_limit)
+        unit = f_max if attribute["f_limit_unit"] in ("f_max", b"f_max") else 1
+        a_left = np.log1p(np.sqrt(1 + attribute["f_limit"] * unit / f_max)) / (d_max - d_limit)
         e += f_max / (2 * a_left)
     print("e [mJ/m2],f_max [MPa],d_max [nm],d_limit [nm]")
     np.savetxt(sys.stdout, np.stack([1e3 * e, 1e-6 * f_max, 1e9 * d_max, 1e9 * d_limit], 1),

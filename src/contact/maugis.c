@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A sphere against a plane with adhesion of constant stress and finite range (Maugis 1992), and the
+ * same without touching (Kim, McMeeking and Johnson 1998).
+ *
+ * With m = c/a = 1/cos(theta) the energy balance is a quadratic in c whose coefficients are entire
+ * functions of theta, so approach, force and radii are explicit in theta and smooth through a = 0,
+ * where the touching branch goes over into the other. Only the way back, from an approach to its
+ * theta, is iterated: by Newton's method inside a bracket that is made to shrink. Approach falls
+ * with theta up to the fold, which is found the same way. Without touching all is in closed form.
+ */
+#include "contact/maugis.h"
+
+#include <math.h>
+
+enum { TERMS = 10, ITERATIONS = 200 };
+
+/* A = sin(2 theta)/2 - theta cos(2 theta) and B = theta sin(theta) + cos(theta) - 1, given sine and
+ * cosine; at small angles, where these cancel, their series, the rest below 1e-17 of the first. */
+static void energy_terms(double theta, double s, double u, double *a, double *b) {
+    static const double SERIES = 0.7;
+    static const double A[TERMS] = {4.0 / 3,
+                                    -8.0 / 15,
+                                    8.0 / 105,
+                                    -16.0 / 2835,
+                                    8.0 / 31185,
+                                    -16.0 / 2027025,
+                                    16.0 / 91216125,
+                                    -32.0 / 10854718875,
+                                    8.0 / 206239658625,
+                                    -16.0 / 38979295480125};
+    static const double B[TERMS] = {1.0 / 2,
+                                    -1.0 / 8,
+                                    1.0 / 144,
+                                    -1.0 / 5760,
+                                    1.0 / 403200,
+                                    -1.0 / 43545600,
+                                    1.0 / 6706022400,
+                                    -1.0 / 1394852659200,
+                                    1.0 / 376610217984000,
+                                    -1.0 / 128047474114560000};
+    if (theta > SERIES) {
+        *a = s * u - theta * (2 * u * u - 1);
+        *b = theta * s + u - 1;
+        return;
+    }
+    double square = theta * theta, sum_a = 0, sum_b = 0;
+    for (int k = TERMS; k-- > 0;) {
+        sum_a = sum_a * square + A[k];
+        sum_b = sum_b * square + B[k];
+    }
+    *a = sum_a * square * theta;
+    *b = sum_b * square;
+}
+
+haft_maugis_point haft_maugis_at(double lambda, double theta) {
+    double a = 0, b = 0, s = sin(theta), u = cos(theta);
+    energy_terms(theta, s, u, &a, &b);
+    double k = 4.0 / 3.0 * lambda * lambda, half = 0.5 * k * b;
+    double c = 1 / (half + sqrt(half * half + 0.5 * lambda * a));
+    double c_slope = -theta * c * u * (2 * lambda * c * s + k) / (lambda * a * c + k * b);
+    double radius = c * u, radius_slope = c_slope * u - c * s;
+    double pulled = s * u + theta;
+    return (haft_maugis_point){
+        .approach = radius * radius - 4.0 / 3.0 * lambda * c * s,
+        .force = radius * radius * radius - lambda * c * c * pulled,
+        .radius = radius,
+        .reach = c,
+        .approach_slope = 2 * radius * radius_slope - 4.0 / 3.0 * lambda * (c_slope * s + c * u),
+        .force_slope =
+            3 * radius * radius * radius_slope - 2 * lambda * c * (c_slope * pulled + c * u * u),
+    };
+}
+
+double haft_maugis_meeting(void) {
+    return cbrt(9.0 / 16.0 / (1 - 1 / M_PI));
+}
+
+double haft_maugis_first_angle(double lambda) {
+    if (lambda <= haft_maugis_meeting()) {
+        return 0.5 * M_PI;
+    }
+    double low = 0, high = 0.5 * M_PI;
+    for (int i = 0; i < ITERATIONS; i++) {
+        double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            break;
+        }
+        if (haft_maugis_at(lambda, middle).approach_slope < 0) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+double haft_maugis_angle(double lambda, double first, double approach) {
+    /* Newton in log(theta), for approach goes with a power of it, theta^-3 at last. */
+    double low = log(first), high = low;
+    do {
+        low -= 1;
+    } while (haft_maugis_at(lambda, exp(low)).approach < approach);
+    double x = 0.5 * (low + high);
+    for (int i = 0; i < ITERATIONS; i++) {
+        double theta = exp(x);
+        haft_maugis_point point = haft_maugis_at(lambda, theta);
+        double miss = point.approach - approach;
+        if (miss > 0) {
+            low = x;
+        } else {
+            high = x;
+        }
+        double next = x - miss / (point.approach_slope * theta);
+        if (!(next > low && next < high)) {
+            next = 0.5 * (low + high);
+        }
+        if (miss == 0 || next == x || !(next > low && next < high)) {
+            break;
+        }
+        x = next;
+    }
+    return exp(x);
+}
+
+double haft_maugis_fold_reach(double lambda) {
+    return 8.0 / (3 * M_PI) * lambda;
+}
+
+double haft_maugis_untouched(double lambda, double approach) {
+    double fold = haft_maugis_fold_reach(lambda);
+    double square = fold * fold + 2 * (approach + 2 / (M_PI * lambda));
+    return fold + sqrt(fmax(square, 0));
+}
+
+haft_status haft_maugis_limits(haft_maugis_range *out, double lambda, haft_error *error) {
+    if (!(lambda >= HAFT_MAUGIS_LAMBDA_LEAST && lambda <= HAFT_MAUGIS_LAMBDA_MOST)) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                              "lambda = %g is outside the range from %g to %g", lambda,
+                              HAFT_MAUGIS_LAMBDA_LEAST, HAFT_MAUGIS_LAMBDA_MOST);
+    }
+    double jump = -2 / (M_PI * lambda), fold = haft_maugis_fold_reach(lambda);
+    out->jump = jump;
+    out->touch = haft_maugis_at(lambda, haft_maugis_first_angle(lambda)).approach;
+    out->fold = lambda < haft_maugis_meeting() ? jump - 0.5 * fold * fold : out->touch;
+    return HAFT_OK;
+}
+
+haft_status haft_maugis_solve(haft_maugis *out, double lambda, double approach, haft_vdw_path path,
+                              haft_error *error) {
+    haft_maugis_range range;
+    haft_status status = haft_maugis_limits(&range, lambda, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    if (!(fabs(approach) <= HAFT_MAUGIS_APPROACH_MOST)) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT, "an approach of %g is not within +-%g",
+                              approach, HAFT_MAUGIS_APPROACH_MOST);
+    }
+    *out = (haft_maugis){0};
+    if (approach < (path == HAFT_VDW_APPROACH ? range.jump : range.fold)) {
+        return HAFT_OK;
+    }
+    if (approach <= range.touch && lambda < haft_maugis_meeting()) {
+        double c = haft_maugis_untouched(lambda, approach);
+        *out = (haft_maugis){.force = -0.5 * M_PI * lambda * c * c,
+                             .slope = -M_PI * lambda * c / (c - haft_maugis_fold_reach(lambda)),
+                             .reach = c};
+        return HAFT_OK;
+    }
+    double first = haft_maugis_first_angle(lambda);
+    double theta = approach > range.touch ? haft_maugis_angle(lambda, first, approach) : first;
+    haft_maugis_point point = haft_maugis_at(lambda, theta);
+    *out = (haft_maugis){.force = point.force,
+                         .slope = point.force_slope / point.approach_slope,
+                         .radius = point.radius,
+                         .reach = point.reach};
+    return HAFT_OK;
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Van der Waals attraction: from the Hamaker constant to a stress of finite range, and from an
+ * asperity of a patch to the Maugis sphere that stands for it. */
+#include "contact/vdw.h"
+
+#include <math.h>
+
+static bool is_positive(double x) {
+    return x > 0 && isfinite(x);
+}
+
+haft_status haft_vdw_from_spec(haft_vdw *out, const haft_vdw_spec *spec, haft_error *error) {
+    if (!is_positive(spec->hamaker) || !is_positive(spec->r0)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "a Hamaker constant of %g J with an r0 of %g m; both must be "
+                              "positive",
+                              spec->hamaker, spec->r0);
+    }
+    double d0 = pow(2.0 / 15.0, 1.0 / 6.0) * spec->r0;
+    double energy = spec->hamaker / (16 * M_PI * d0 * d0);
+    double range = 0.97 * pow(2.0, 1.0 / 6.0) * spec->r0;
+    *out = (haft_vdw){.energy = energy, .stress = energy / range, .range = range};
+    return HAFT_OK;
+}
+
+static double lambda_of(const haft_contact_spec *spec, double radius) {
+    double w = spec->vdw.energy, e = spec->modulus;
+    return spec->vdw.stress * cbrt(9 * radius / (2 * M_PI * w * e * e));
+}
+
+haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec,
+                               double least_radius, double most_radius, haft_error *error) {
+    const haft_vdw *vdw = &spec->vdw;
+    if (!is_positive(vdw->energy) || !is_positive(vdw->stress) || !is_positive(vdw->range) ||
+        spec->maugis == NULL) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                              "van der Waals forces of energy %g J/m^2, stress %g Pa and range %g "
+                              "m; all must be positive, and a table of haft_maugis_table_create() "
+                              "must be given",
+                              vdw->energy, vdw->stress, vdw->range);
+    }
+    double least = lambda_of(spec, least_radius), most = lambda_of(spec, most_radius);
+    if (!(least >= HAFT_MAUGIS_LAMBDA_LEAST && most <= HAFT_MAUGIS_LAMBDA_MOST)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "asperities of radius %.3g to %.3g m would have a Maugis parameter "
+                              "lambda of %.3g to %.3g with a modulus of %.3g Pa, an energy of %.3g "
+                              "J/m^2 and a range of %.3g m; the table holds %g to %g",
+                              least_radius, most_radius, least, most, spec->modulus, vdw->energy,
+                              vdw->range, HAFT_MAUGIS_LAMBDA_LEAST, HAFT_MAUGIS_LAMBDA_MOST);
+    }
+    double w = vdw->energy, e = spec->modulus;
+    *out = (haft_adhesion){
+        .table = spec->maugis,
+        .path = spec->path,
+        .least_radius = least_radius,
+        .most_radius = most_radius,
+        .lambda = lambda_of(spec, 1),
+        .approach = cbrt(9 * M_PI * M_PI * w * w / (16 * e * e)),
+        .force = M_PI * w * 0.75 / e,
+        .range = vdw->range,
+        .strength = vdw->stress * 0.75 / e,
+        .reach = vdw->range / (1 - 1 / M_PI),
+    };
+    return HAFT_OK;
+}
+
+haft_sphere haft_adhesion_sphere(const haft_adhesion *adhesion, double radius) {
+    radius = fmin(fmax(radius, adhesion->least_radius), adhesion->most_radius);
+    double root = cbrt(radius);
+    return (haft_sphere){
+        .curve = haft_maugis_curve_of(adhesion->table, adhesion->lambda * root, adhesion->path),
+        .per_approach = 1 / (adhesion->approach * root),
+        .force = adhesion->force * radius,
+        .area = M_PI * radius * adhesion->approach * root,
+    };
+}

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sets of laws in memory: room for them, single realizations taken out of a set and put together
+ * again, and which of the curves a set has kept. */
+#include "hdf.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+const haft_laws_row haft_laws_rows[HAFT_LAWS_ROWS] = {
+    {"zero_distance", "m", "greatest gap at which the force vanishes; NaN if there is none",
+     offsetof(haft_laws, zero_distance)},
+    {"contact_area", "1", "share of the area in contact there", offsetof(haft_laws, contact_area)},
+    {"wet_area", "1", "share of the area under menisci or in contact there",
+     offsetof(haft_laws, wet_area)},
+    {"asperities", "1", "asperities in contact there, a patch", offsetof(haft_laws, asperities)},
+};
+
+double *haft_laws_row_of(const haft_laws *laws, const haft_laws_row *row) {
+    double *values;
+    memcpy(&values, (const char *)laws + row->member, sizeof values);
+    return values;
+}
+
+static bool allocate(haft_laws *laws, haft_error *error) {
+    size_t m = laws->m, n = laws->n, size = 0;
+    if (__builtin_mul_overflow(laws->curves, n, &size)) {
+        haft_error_set(error, HAFT_ERROR_MEMORY, "%zu curves of %zu points overflow", laws->curves,
+                       n);
+        return false;
+    }
+    laws->distance = haft_memory_alloc(n, sizeof(double), error);
+    laws->force = haft_memory_alloc(size, sizeof(double), error);
+    laws->vector = haft_memory_alloc(m, sizeof *laws->vector, error);
+    laws->fault = haft_memory_alloc(m, sizeof *laws->fault, error);
+    laws->zero_distance = haft_memory_alloc(m, sizeof(double), error);
+    laws->contact_area = haft_memory_alloc(m, sizeof(double), error);
+    laws->wet_area = haft_memory_alloc(m, sizeof(double), error);
+    laws->asperities = haft_memory_alloc(m, sizeof(double), error);
+    if (laws->curves < m) {
+        laws->curve_law = haft_memory_alloc(laws->curves, sizeof(int), error);
+    }
+    return laws->distance && laws->force && laws->vector && laws->fault && laws->zero_distance &&
+           laws->contact_area && laws->wet_area && laws->asperities &&
+           (laws->curves == m || laws->curve_law);
+}
+
+haft_status haft_laws_create_sparse(haft_laws **out, size_t m, size_t curves, size_t n,
+                                    haft_error *error) {
+    *out = NULL;
+    if (m > INT_MAX || curves > m) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT, "%zu curves of %zu laws", curves, m);
+    }
+    haft_laws *laws = haft_memory_alloc(1, sizeof *laws, error);
+    if (laws == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    laws->m = m;
+    laws->n = n;
+    laws->curves = curves;
+    if (!allocate(laws, error)) {
+        haft_laws_destroy(&laws);
+        return HAFT_ERROR_MEMORY;
+    }
+    for (size_t i = 0; n == 0 && i < HAFT_LAWS_ROWS * m; i++) {
+        haft_laws_row_of(laws, &haft_laws_rows[i / m])[i % m] = NAN; /* nothing to read off */
+    }
+    *out = laws;
+    return HAFT_OK;
+}
+
+haft_status haft_laws_create(haft_laws **out, size_t m, size_t n, haft_error *error) {
+    return haft_laws_create_sparse(out, m, m, n, error);
+}
+
+void haft_laws_destroy(haft_laws **laws) {
+    if (laws == NULL || *laws == NULL) {
+        return;
+    }
+    haft_laws *l = *laws;
+    haft_memory_free(l->distance);
+    haft_memory_free(l->curve_law);
+    haft_memory_free(l->force);
+    haft_memory_free(l->vector);
+    haft_memory_free(l->fault);
+    haft_memory_free(l->zero_distance);
+    haft_memory_free(l->contact_area);
+    haft_memory_free(l->wet_area);
+    haft_memory_free(l->asperities);
+    haft_chaos_destroy(&l->chaos);
+    haft_memory_free(l);
+    *laws = NULL;
+}
+
+const double *haft_laws_curve(const haft_laws *laws, size_t k) {
+    if (laws->n == 0 || k >= laws->m) {
+        return NULL;
+    }
+    if (laws->curve_law == NULL) {
+        return laws->force + k * laws->n;
+    }
+    size_t low = 0, high = laws->curves;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if ((size_t)laws->curve_law[middle] < k) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    bool kept = low < laws->curves && (size_t)laws->curve_law[low] == k;
+    return kept ? laws->force + low * laws->n : NULL;
+}
+
+/* Copies what is one number a law; the laws come to lie from `at` on. */
+static void copy_rows(haft_laws *to, size_t at, const haft_laws *from, size_t first, size_t count) {
+    memcpy(to->vector + at, from->vector + first, count * sizeof *to->vector);
+    memcpy(to->fault + at, from->fault + first, count * sizeof *to->fault);
+    for (int i = 0; i < HAFT_LAWS_ROWS; i++) {
+        memcpy(haft_laws_row_of(to, &haft_laws_rows[i]) + at,
+               haft_laws_row_of(from, &haft_laws_rows[i]) + first, count * sizeof(double));
+    }
+}
+
+haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t first, size_t count,
+                             const bool *keep, haft_error *error) {
+    *out = NULL;
+    if (count == 0 || first > laws->m || count > laws->m - first) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT, "laws %zu to %zu of %zu", first,
+                              first + count, laws->m);
+    }
+    size_t curves = 0, n = laws->n;
+    for (size_t i = 0; i < count; i++) {
+        curves += keep[i] && haft_laws_curve(laws, first + i) != NULL;
+    }
+    haft_status status = haft_laws_create_sparse(out, count, curves, n, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    haft_laws *set = *out;
+    set->sites = count;
+    set->first_site = laws->first_site + first % laws->sites;
+    set->f_limit = laws->f_limit;
+    memcpy(set->distance, laws->distance, n * sizeof(double));
+    copy_rows(set, 0, laws, first, count);
+    for (size_t i = 0, at = 0; i < count; i++) {
+        const double *curve = keep[i] ? haft_laws_curve(laws, first + i) : NULL;
+        if (curve != NULL) {
+            memcpy(set->force + at * n, curve, n * sizeof(double));
+            if (set->curve_law != NULL) {
+                set->curve_law[at] = (int)i;
+            }
+            at++;
+        }
+    }
+    return HAFT_OK;
+}
+
+static void copy_curves(haft_laws *to, size_t at, size_t law, const haft_laws *from) {
+    memcpy(to->force + at * to->n, from->force, from->curves * from->n * sizeof(double));
+    for (size_t i = 0; to->curve_law != NULL && i < from->curves; i++) {
+        size_t own = from->curve_law == NULL ? i : (size_t)from->curve_law[i];
+        to->curve_law[at + i] = (int)(law + own);
+    }
+}
+
+haft_status haft_laws_join(haft_laws **out, haft_laws **set, size_t count, haft_error *error) {
+    *out = NULL;
+    size_t curves = 0, m = 0;
+    for (size_t k = 0; k < count; k++) {
+        bool alike = set[k]->m == set[0]->m && set[k]->n == set[0]->n &&
+                     set[k]->first_site == set[0]->first_site &&
+                     memcmp(set[k]->distance, set[0]->distance, set[0]->n * sizeof(double)) == 0;
+        if (!alike) {
+            return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                                  "the laws of realizations 0 and %zu are of different sites or "
+                                  "distances",
+                                  k);
+        }
+        curves += set[k]->curves;
+        m += set[k]->m;
+    }
+    haft_status status = count == 0 ? haft_error_set(error, HAFT_ERROR_ARGUMENT, "no laws to join")
+                                    : haft_laws_create_sparse(out, m, curves, set[0]->n, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    haft_laws *laws = *out;
+    laws->sites = set[0]->m;
+    laws->first_site = set[0]->first_site;
+    laws->f_limit = set[0]->f_limit;
+    memcpy(laws->distance, set[0]->distance, laws->n * sizeof(double));
+    for (size_t k = 0, at = 0; k < count; k++) {
+        copy_rows(laws, k * laws->sites, set[k], 0, laws->sites);
+        copy_curves(laws, at, k * laws->sites, set[k]);
+        at += set[k]->curves;
+        haft_laws_destroy(&set[k]);
+    }
+    return HAFT_OK;
+}
