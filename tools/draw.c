@@ -3,81 +3,24 @@
 #include "draw.h"
 
 #include "against.h"
+#include "gnuplot.h"
 
-#include <errno.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-/* The plot scripts lie beside an installed program, or in the source it was built from. */
-static void find_scripts(char path[PATH_CAPACITY]) {
-    char program[PATH_CAPACITY];
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(program, '/');
-    if (slash != NULL) {
-        *slash = '\0';
-        int n = snprintf(path, PATH_CAPACITY, "%s/../share/haft/plot", program);
-        if (n > 0 && n < PATH_CAPACITY && access(path, R_OK) == 0) {
-            return;
-        }
-    }
-    const char *const places[] = {HAFT_PLOT_DIR_INSTALLED, HAFT_PLOT_DIR_SOURCE};
-    snprintf(path, PATH_CAPACITY, "%s", places[access(places[0], R_OK) == 0 ? 0 : 1]);
-}
-
-/* Runs gnuplot on one script inside the folder of the figures. */
-static haft_status draw(const char *scripts, const char *name, const char *folder,
-                        const char *definitions, haft_error *error) {
-    char script[PATH_CAPACITY + 64];
-    snprintf(script, sizeof script, "%s/%s.gp", scripts, name);
-    /* -d: the user's own ~/.gnuplot must not change the figures */
-    char *const command[] = {(char[]){"gnuplot"}, (char[]){"-d"}, (char[]){"-e"},
-                             strdup(definitions), script,         NULL};
-    extern char **environ;
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addchdir_np(&actions, folder);
-    pid_t child;
-    int why = posix_spawnp(&child, "gnuplot", &actions, NULL, command, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    free(command[3]);
-    if (why != 0) {
-        return haft_error_set(error, HAFT_ERROR_IO,
-                              "gnuplot cannot be run: %s; install it (Debian: gnuplot-nox). The "
-                              "data are in %s as CSV",
-                              strerror(why), folder);
-    }
-    int state = 0;
-    while (waitpid(child, &state, 0) < 0 && errno == EINTR) {
-    }
-    if (!WIFEXITED(state) || WEXITSTATUS(state) != 0) {
-        return haft_error_set(error, HAFT_ERROR_LIBRARY, "gnuplot failed on %s", script);
-    }
-    return HAFT_OK;
-}
-
-static void set_environment(const char *title, const char *scripts) {
-    setenv("HAFT_TITLE", title, 1);
-    setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
-    setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
-}
 
 typedef struct pen {
     const haft_case *c;
     const char *folder;
-    char scripts[PATH_CAPACITY], definitions[512];
+    char definitions[512];
 } pen;
 
 static haft_status draw_each(const pen *p, const char *const *figures, size_t count,
                              haft_error *error) {
     haft_status status = HAFT_OK;
     for (size_t i = 0; status == HAFT_OK && i < count; i++) {
-        status = draw(p->scripts, figures[i], p->folder, p->definitions, error);
+        status = draw_script(figures[i], p->folder, p->c->title, p->definitions, error);
     }
     return status;
 }
@@ -85,7 +28,6 @@ static haft_status draw_each(const pen *p, const char *const *figures, size_t co
 static void take_pen(pen *p, const haft_case *c, const char *folder) {
     p->c = c;
     p->folder = folder;
-    find_scripts(p->scripts);
     snprintf(p->definitions, sizeof p->definitions,
              "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g; "
              "confidence=%.9g; order=%zu; germ=%d",
@@ -94,7 +36,6 @@ static void take_pen(pen *p, const haft_case *c, const char *folder) {
                                                           : -1,
              c->beam.length * 1e6, c->beam.gap * 1e6, c->mesh.load_position * 1e6,
              c->stop.confidence, c->law.chaos.spec.order, (int)c->law.chaos.spec.germ);
-    set_environment(c->title, p->scripts);
 }
 
 static haft_status draw_path(const pen *p, haft_error *error) {
@@ -160,7 +101,7 @@ static const char *axis_unit(const char *unit, double greatest, double *factor) 
 
 int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t) {
     haft_error error = {0};
-    char folder[PATH_CAPACITY], scripts[PATH_CAPACITY], definitions[512];
+    char folder[PATH_CAPACITY], definitions[512];
     haft_status status = make_out_folder(case_folder, "plots", &error);
     if (status == HAFT_OK) {
         status = case_out_path(folder, case_folder, "plots", &error);
@@ -168,7 +109,6 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
     if (status == HAFT_OK) {
         double factor;
         const char *unit = axis_unit(c->sweep.unit[0], greatest, &factor);
-        find_scripts(scripts);
         snprintf(
             definitions, sizeof definitions,
             "swept='%s'; swept_unit='%s'; swept_factor=%g; keys=%zu; paper=%.9g; "
@@ -178,8 +118,7 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                          : -1,
             c->stop.confidence);
-        set_environment(c->title, scripts);
-        status = draw(scripts, "sweep", folder, definitions, &error);
+        status = draw_script("sweep", folder, c->title, definitions, &error);
     }
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);
@@ -192,12 +131,10 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
 
 haft_status draw_comparison(const char *labels, size_t n, double confidence, const char *directory,
                             haft_error *error) {
-    char scripts[PATH_CAPACITY], definitions[128];
-    find_scripts(scripts);
-    set_environment("Crack lengths compared", scripts);
+    char definitions[128];
     setenv("HAFT_LABELS", labels, 1);
     snprintf(definitions, sizeof definitions, "cases=%zu; confidence=%.9g", n, confidence);
-    return draw(scripts, "compare", directory, definitions, error);
+    return draw_script("compare", directory, "Crack lengths compared", definitions, error);
 }
 
 haft_status choose_realization(const haft_case *c, long asked, size_t *chosen, haft_error *error) {

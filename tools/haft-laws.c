@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft-laws: builds the force laws of a case or fits its model to vectors measured elsewhere, says
  * what they are like, and draws from the model. */
+#include "inspect.h"
 #include "laws_report.h"
 #include "terminal.h"
 
@@ -13,7 +14,23 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { KEY_FORCE = 'f', KEY_QUIET = 'q', KEY_THREADS = 't', KEY_COUNT = 'n', KEY_OUTPUT = 'o' };
+enum {
+    KEY_FORCE = 'f',
+    KEY_QUIET = 'q',
+    KEY_THREADS = 't',
+    KEY_COUNT = 'n',
+    KEY_OUTPUT = 'o',
+    KEY_CHANNEL = 256,
+    KEY_LEVEL,
+    KEY_WINDOW,
+    KEY_MISSING,
+    KEY_OUTLIERS,
+    KEY_SIZE,
+    KEY_UNIT,
+    KEY_LATERAL_UNIT,
+    KEY_TIP_RADIUS,
+    KEY_END
+};
 
 enum { SAMPLE_LIMIT = 100000000 };
 
@@ -22,6 +39,7 @@ typedef struct arguments {
     bool force, quiet;
     int threads;
     size_t count;
+    inspect_words map;
 } arguments;
 
 static const char DOC[] =
@@ -34,18 +52,44 @@ static const char DOC[] =
     "  sample     draw law vectors from its model, by the case's sampler\n"
     "  fit TABLE  build it from the law vectors in a CSV file, not from surfaces;\n"
     "             its first line names the columns: e [mJ/m2],f_max [MPa],\n"
-    "             d_max [nm],d_limit [nm]\n\n" EXIT_CODES;
+    "             d_max [nm],d_limit [nm]\n"
+    "  inspect MAP  say what a height map (a file, not a case) holds, and draw it\n\n" EXIT_CODES;
 
 static const struct argp_option OPTIONS[] = {
     {"force", KEY_FORCE, 0, 0, "build, fit: replace laws that are there already", 0},
     {"count", KEY_COUNT, "N", 0, "sample: draw N vectors (default 1000)", 0},
-    {"output", KEY_OUTPUT, "FILE", 0, "sample: write them here (default CASE/out/sample.csv)", 0},
+    {"output", KEY_OUTPUT, "FILE", 0,
+     "sample: write them here (default CASE/out/sample.csv); inspect: the folder of the figure "
+     "(default MAP.inspect)",
+     0},
+    {"channel", KEY_CHANNEL, "NAME", 0, "inspect: this channel (default: the first of heights)", 0},
+    {"level", KEY_LEVEL, "HOW", 0, "inspect: mean, plane (default), quadratic or lines", 0},
+    {"window", KEY_WINDOW, "WHICH", 0, "inspect: none, hann (default), welch, blackman, tukey", 0},
+    {"missing", KEY_MISSING, "HOW", 0, "inspect: exclude (default) or fill missing pixels", 0},
+    {"outliers", KEY_OUTLIERS, "N", 0, "inspect: mask what is N deviations off the median", 0},
+    {"size", KEY_SIZE, "WxH", 0, "inspect: a bare matrix's sides, as \"10 um x 10 um\"", 0},
+    {"unit", KEY_UNIT, "UNIT", 0, "inspect: of heights, where the file says none", 0},
+    {"lateral-unit", KEY_LATERAL_UNIT, "UNIT", 0, "inspect: of columns x and y", 0},
+    {"tip-radius", KEY_TIP_RADIUS, "LENGTH", 0, "inspect: cut where such a tip cannot be trusted",
+     0},
     {"quiet", KEY_QUIET, 0, 0, "no progress, only results and errors", 0},
     {"threads", KEY_THREADS, "N", 0, "build: use N threads (default: all cores)", 0},
     {0}};
 
+/* The words of inspect's options, in the order of their keys. */
+static const char **map_word(inspect_words *map, int key) {
+    const char **const words[] = {&map->channel, &map->level,        &map->window,
+                                  &map->missing, &map->outliers,     &map->size,
+                                  &map->unit,    &map->lateral_unit, &map->tip_radius};
+    return words[key - KEY_CHANNEL];
+}
+
 static error_t parse(int key, char *value, struct argp_state *state) {
     arguments *a = state->input;
+    if (key >= KEY_CHANNEL && key < KEY_END) {
+        *map_word(&a->map, key) = value;
+        return 0;
+    }
     char *end = NULL;
     long count;
     switch (key) {
@@ -176,10 +220,11 @@ static haft_status sample(haft_laws **laws, const haft_case *c, const arguments 
     return status;
 }
 
-typedef enum command { BUILD, INFO, STUDY, SAMPLE, FIT, COMMANDS } command;
+typedef enum command { BUILD, INFO, STUDY, SAMPLE, FIT, INSPECT, COMMANDS } command;
 
 static command find_command(const arguments *a) {
-    static const char *const name[COMMANDS] = {"build", "info", "study", "sample", "fit"};
+    static const char *const name[COMMANDS] = {"build",  "info", "study",
+                                               "sample", "fit",  "inspect"};
     for (int i = 0; i < COMMANDS; i++) {
         if (strcmp(a->command, name[i]) == 0) {
             return (command)i;
@@ -192,8 +237,8 @@ static command find_command(const arguments *a) {
 static bool can_be_meant(const arguments *a, command what) {
     if (what == COMMANDS) {
         fprintf(stderr,
-                "haft-laws: there is no command \"%s\"; try build, info, study, sample or "
-                "fit\n",
+                "haft-laws: there is no command \"%s\"; try build, info, study, sample, fit or "
+                "inspect\n",
                 a->command);
     } else if ((what == FIT) != (a->table != NULL)) {
         fprintf(stderr,
@@ -244,6 +289,10 @@ int main(int argc, char **argv) {
         omp_set_num_threads(a.threads);
     }
     haft_error error = {0};
+    if (what == INSPECT) {
+        haft_status seen = inspect_map(a.folder, &a.map, a.output, a.quiet, &error);
+        return seen == HAFT_OK ? terminal_finish(&t, EXIT_OK) : terminal_fail(&t, seen, &error);
+    }
     haft_case *c = NULL;
     haft_laws *laws = NULL;
     haft_status status = read_case(&c, a.folder, &error);

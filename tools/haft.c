@@ -136,7 +136,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 /* ---- check ---- */
 
 static void print_derived(const haft_case *c) {
-    haft_psd_moments m = haft_psd_get_moments(&c->surface.psd);
+    haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
     printf("%s: %s\n", c->name, c->title);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
@@ -150,7 +150,11 @@ static void print_derived(const haft_case *c) {
     if (physics.capillary &&
         haft_capillary_from_spec(&capillary, &c->contact.capillary, NULL) == HAFT_OK) {
         printf("  capillary            %.3g MPa within %.3g nm\n", capillary.pressure * 1e-6,
-               capillary.range * 1e9);
+               (capillary.range + 2 * haft_study_film(c)) * 1e9);
+        if (haft_study_film(c) > 0) {
+            printf("  adsorbed water       %.3g nm on each face, in that range\n",
+                   haft_study_film(c) * 1e9);
+        }
     }
     haft_contact_spec contact;
     if (physics.vdw && haft_study_contact_spec(&contact, c, NULL) == HAFT_OK) {

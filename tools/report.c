@@ -39,8 +39,7 @@ static void write_question(page *p, const source *s) {
               c->mesh.load_position * 1e6, c->programme.crack_length * 1e6);
     page_markup(p, "</p>\n<p>");
     haft_physics physics = haft_case_physics(c);
-    page_text(p, "The surfaces are rough (%.3g nm rms). ",
-              sqrt(haft_psd_get_moments(&c->surface.psd).m0) * 1e9);
+    page_text(p, "The surfaces are rough (%.3g nm rms). ", sqrt(haft_case_moments(c).m0) * 1e9);
     if (physics.capillary) {
         page_text(p,
                   "At %.4g %% relative humidity water condenses between their highest points and "

@@ -87,6 +87,7 @@ typedef enum haft_random_purpose {
     HAFT_RANDOM_PATCH_SURFACE,    /**< noise under independent patches */
     HAFT_RANDOM_TEST,             /**< tests and benches */
     HAFT_RANDOM_LAW_SAMPLE,       /**< laws drawn from the stochastic model */
+    HAFT_RANDOM_MAP_WINDOW,       /**< windows of measured maps */
     HAFT_RANDOM_RESAMPLE,         /**< beams drawn or dealt anew, to learn what chance does */
 } haft_random_purpose;
 

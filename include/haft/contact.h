@@ -33,6 +33,24 @@ typedef struct haft_capillary {
 haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_spec *spec,
                                      haft_error *error) HAFT_MUST_CHECK;
 
+/** Thickness of the water film adsorbed on one surface at a humidity, by points: linear in between,
+ *  proportional to RH below the first, constant beyond the last. */
+typedef struct haft_adsorption {
+    size_t n;
+    const double *humidity;  /**< increasing, above 0 and below 1 */
+    const double *thickness; /**< not falling [m] */
+} haft_adsorption;
+
+/** Film on silica at room temperature: 3 layers at RH 30 %, 4 at 60 %, 10 near saturation, of 0.282
+ * nm each. A coarse reading: the layers are counted where the isotherm's three regimes end. Source:
+ * Asay and Kim (2005), J. Phys. Chem. B 109, 16760. */
+haft_adsorption haft_adsorption_silica(void);
+
+/** @return HAFT_ERROR_INPUT for no points, points out of order, or thicknesses that are negative,
+ * fall or are not finite. */
+haft_status haft_adsorption_check(const haft_adsorption *film, haft_error *error) HAFT_MUST_CHECK;
+double haft_adsorption_thickness(const haft_adsorption *film, double humidity);
+
 /** Equivalent modulus of two elastic bodies, ((1-nu1^2)/E1 + (1-nu2^2)/E2)^-1 [Pa]. */
 double haft_contact_modulus(double young_1, double poisson_1, double young_2, double poisson_2);
 

@@ -9,9 +9,11 @@
 #include "haft/chaos.h"
 #include "haft/contact.h"
 #include "haft/io.h"
+#include "haft/io_case.h"
 #include "haft/law.h"
 #include "haft/solve.h"
 #include "haft/study.h"
 #include "haft/surface.h"
+#include "haft/surface_map.h"
 
 #endif

@@ -12,217 +12,15 @@
 #ifndef HAFT_IO_H
 #define HAFT_IO_H
 
-#include "haft/beam.h"
 #include "haft/chaos.h"
-#include "haft/contact.h"
+#include "haft/io_case.h"
 #include "haft/law.h"
 #include "haft/solve.h"
-#include "haft/surface.h"
+#include "haft/surface_map.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-enum { HAFT_NAME_CAPACITY = 128, HAFT_TEXT_CAPACITY = 512 };
-
-/** Bounds of a sweep: keys varied together, values each; bytes of a variant's label. */
-enum {
-    HAFT_SWEPT_KEYS_MAX = 8,
-    HAFT_VARIANTS_MAX = 1000,
-    HAFT_LABEL_CAPACITY = 96,
-    HAFT_SWEPT_TEXT_CAPACITY = 24
-};
-
-/** Where the stop rule looks: at prefixes of the realizations, from this many on, every so many. */
-enum { HAFT_STOP_LEAST = 30, HAFT_STOP_STRIDE = 10 };
-
-/** Where the solver's laws come from. */
-typedef enum haft_sampler {
-    HAFT_SAMPLER_EXPLICIT, /**< patches cut from one seamless surface of the whole beam */
-    HAFT_SAMPLER_PATCHES,  /**< independent patches */
-    HAFT_SAMPLER_GPCE, /**< this and the rest: drawn from a stochastic model of independent patches,
-                            as the haft_chaos_sampler of the same name says */
-    HAFT_SAMPLER_EXACT,
-    HAFT_SAMPLER_KERNEL,
-    HAFT_SAMPLER_BOOTSTRAP,
-    HAFT_SAMPLER_MEAN,
-} haft_sampler;
-
-/** Whether a sampler draws from a stochastic model. */
-bool haft_sampler_is_stochastic(haft_sampler sampler);
-
-/** Which principal component comes first in the Rosenblatt map. */
-typedef enum haft_component_order {
-    HAFT_COMPONENTS_FALLING, /**< the one of the largest variance */
-    HAFT_COMPONENTS_RISING,  /**< the one of the smallest */
-} haft_component_order;
-
-/** Which curves laws.h5 keeps. */
-typedef enum haft_curves_kept {
-    HAFT_CURVES_ALL,
-    HAFT_CURVES_NEEDED, /**< those that the solver takes as tables, and those of the realizations
-                             that leave evidence; of a stochastic model's patches none */
-} haft_curves_kept;
-
-/** What is done with a curve that no Morse law fits. */
-typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
-
-/** Who says which forces act. */
-typedef enum haft_forces {
-    HAFT_FORCES_GIVEN, /**< the sections there are: contact.capillary, contact.vdw */
-    HAFT_FORCES_AUTO   /**< the humidity, as in the paper: see haft_case_physics() */
-} haft_forces;
-
-/** Below this humidity van der Waals forces are counted, if forces are chosen by it. */
-#define HAFT_VDW_HUMIDITY 0.55
-
-/** A resolved case: defaults filled in, everything in SI. */
-typedef struct haft_case {
-    char name[HAFT_NAME_CAPACITY];
-    char title[HAFT_TEXT_CAPACITY];
-    uint64_t seed;
-
-    struct {
-        haft_psd psd;
-        double grid_step;        /**< [m] */
-        double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-5 */
-    } surface;
-
-    struct {
-        haft_asperity_model asperities;
-        double young_modulus; /**< of both bodies [Pa] */
-        double poisson_ratio; /**< of both bodies */
-        double hardness;      /**< of the softer body [Pa], to judge asperities by; 0: not given */
-        bool has_capillary;
-        haft_capillary_spec capillary; /**< its humidity may be 0 if forces are chosen by it */
-        haft_forces forces;
-        bool has_vdw;
-        struct {
-            double hamaker_dry, hamaker_humid; /**< through air, through water [J] */
-            double r0;                         /**< [m] */
-            haft_vdw_path path;
-        } vdw;
-        double distance_from, distance_to,
-            distance_step; /**< gaps at which f(d) is evaluated [m] */
-    } contact;
-
-    struct {
-        haft_law_kind kind;
-        double f_limit;       /**< [Pa]; 0: by its share */
-        double f_limit_share; /**< of each curve's f_max; 0: by f_limit */
-        haft_unfit unfit;
-        haft_sampler sampler;
-        struct {
-            size_t vectors;       /**< patches the model is built from */
-            haft_chaos_spec spec; /**< but for f_limit and component_order */
-            haft_component_order component_order;
-        } chaos; /**< of a stochastic sampler */
-    } law;
-
-    haft_beam_spec beam;
-    haft_mesh_spec mesh; /**< load_position included */
-    haft_programme programme;
-    haft_path_options path;
-
-    size_t realizations;
-
-    /** When a run may end before all realizations are done. */
-    struct {
-        double crack_length_mean; /**< half width of the mean's interval that is enough [m]; 0: none
-                                   */
-        double confidence;        /**< of this and all other intervals; default 95 % */
-    } stop;
-
-    struct {
-        bool all;
-        size_t count;
-        size_t *realization; /**< which realizations leave evidence; owned by the case */
-    } evidence;
-
-    haft_curves_kept curves;
-
-    /** Which variant of the file's sweep this is; a variant is a plain case, and its resolved text
-     *  knows nothing of the sweep. */
-    struct haft_case_sweep {
-        size_t variants; /**< in the file; 1 without a sweep */
-        size_t variant;  /**< this one */
-        size_t keys;     /**< varied; 0 without a sweep */
-        const char *key[HAFT_SWEPT_KEYS_MAX], *unit[HAFT_SWEPT_KEYS_MAX];
-        double value[HAFT_SWEPT_KEYS_MAX]; /**< in `unit`; a choice's place among the choices */
-        char text[HAFT_SWEPT_KEYS_MAX][HAFT_SWEPT_TEXT_CAPACITY]; /**< as written, or its front */
-        char label[HAFT_LABEL_CAPACITY]; /**< fit for a folder's name: "02_l_meso-3um" */
-    } sweep;
-
-    /** Numbers to print beside ours; NaN where the case gives none. */
-    struct {
-        double paper_crack_length, measured_crack_length; /**< [m] */
-        double zero_distance[2]; /**< where patches' forces vanish, least and greatest [m] */
-        double contact_area[2];  /**< there, share of the area */
-        double wet_area[2];      /**< there, share of the area */
-        double asperities[2];    /**< in contact there, a patch */
-    } reference;
-} haft_case;
-
-/** Reads and resolves `path`, the case.yaml of a case directory. All that is wrong is told at once,
- *  a line each, in the order of the file: "FILE:LINE:COLUMN: KEY: what is wrong; what would be
- *  right", and "and N more" where the message is full. A file that is no plain YAML document
- *  (syntax, anchors, tags, a second document, not UTF-8) is told by its first fault.
- *
- *  Absent: path, study.stop, output, reference, law.chaos and load.limit take their defaults
- *  (load_limit INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary
- *  false, its fields 0); contact.vdw none of those forces (has_vdw false); beam.element_length is
- * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length.
- *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
-haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
-void haft_case_destroy(haft_case **c);
-
-/** Reads one variant of a case with a sweep,
- *
- *      sweep:
- *        beam.l_meso: [24 um, 12 um, 6 um]
- *        load.crack_length: [130 um, 130 um, 120 um]
- *
- *  numbers and choices by their dotted paths, lists of equal length: variant i takes the i-th value
- *  of each. haft_case_read() reads variant 0.
- *  @return HAFT_ERROR_ARGUMENT if there is no such variant; else as haft_case_read(). */
-haft_status haft_case_read_variant(haft_case **out, const char *path, size_t variant,
-                                   haft_error *error) HAFT_MUST_CHECK;
-
-/** Shall this realization leave evidence? */
-bool haft_case_wants_evidence(const haft_case *c, size_t realization);
-
-/** The forces that act in a case: those with a section of their own, or, if forces are chosen by
- *  humidity, the capillary alone from HAFT_VDW_HUMIDITY up, both below it, van der Waals alone at
- * 0. Source: Hoang et al. (2017), Sec. 5. */
-typedef struct haft_physics {
-    bool capillary, vdw;
-    bool humid; /**< the Hamaker constant is that through water */
-} haft_physics;
-haft_physics haft_case_physics(const haft_case *c);
-
-/** "capillary", "van der Waals", "capillary and van der Waals" or "contact alone". */
-const char *haft_physics_name(haft_physics physics);
-
-/** The limit push of a case's laws, as haft_law_limit() takes it. */
-double haft_case_limit(const haft_case *c);
-
-/** The last part of a swept key's path: "l_meso" of "beam.l_meso". */
-const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key);
-
-/** The resolved case as YAML that reads back to the same bits; the caller frees it with
- *  haft_memory_free(). */
-haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
-
-/** Writes haft_case_emit()'s text to `path`, whole or not at all. */
-haft_status haft_case_write(const haft_case *c, const char *path,
-                            haft_error *error) HAFT_MUST_CHECK;
-
-/** Digest of all that a law depends on (surface, contact, f_limit, the beam's width, l_meso, seed,
- * the program's version; of a direct sampler which; of a stochastic one law.chaos, whichever it
- * is): what must not change for laws.h5 to stay valid. How many beams there are, how long they are
- * and where their active zone begins tells how many laws it must hold, not what they are. */
-haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
-                                  haft_error *error) HAFT_MUST_CHECK;
 
 /** Contents of laws.h5: m laws read off curves on n distances, the curves that are kept, and the
  *  stochastic model built from the laws, if there is one. */
@@ -303,6 +101,41 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
  *  database: one thread at a time. */
 haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *path,
                               haft_error *error) HAFT_MUST_CHECK;
+
+/** What a height map's file may leave unsaid. */
+typedef struct haft_map_options {
+    const char *channel; /**< by its name in the file, NULL or "": the first with heights */
+    double width,
+        height;  /**< of the whole map along x and y [m], where its file gives none; else 0 */
+    double unit; /**< of heights, where the file gives none [m]; else 0 */
+    double lateral_unit; /**< of x and y columns [m]; else 0 */
+} haft_map_options;
+
+/** Reads a height map, whose kind is told by its contents:
+ *
+ *  - Bruker (Veeco, Digital Instruments) Nanoscope, binary, 16 and 32 bit: heights are
+ *    raw / 2^bits * hard scale * sensitivity (new headers, `@2:Z scale: V [Sens. Zsens] (...) 24.6
+ * V`) or raw / 2^16 * `Z scale` (old ones), or raw * `Z magnify image` / 655.36 nm (no version);
+ *  - Gwyddion Simple Field (.gsf);
+ *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or German);
+ * a bare matrix, with size and unit from `options`; three columns x, y, z of points on a grid (in
+ * any order), taken for such where `options` gives no size;
+ *  - HDF5: a two-dimensional dataset named by options->channel, or the only one there is; the unit
+ * of heights from its text attribute `unit`, the size from its attribute `size` (width, height in
+ * m), either from `options` if it has none.
+ *
+ *  Not-a-number is a missing pixel. Row 0 is the top of the image.
+ *  @param[in] options may be NULL
+ *  @param[out] digest of the file's bytes; may be NULL
+ *  @return HAFT_ERROR_IO if the file cannot be read; HAFT_ERROR_INPUT if it is foreign, damaged,
+ * cut short, or does not say its units or size and neither does `options`: the message names what
+ * would do. Calls HDF5: one thread at a time. */
+haft_status haft_map_read(haft_map **out, const char *path, const haft_map_options *options,
+                          char digest[HAFT_DIGEST_CAPACITY], haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes a map as Gwyddion Simple Field (32-bit floating point), whole or not at all. */
+haft_status haft_map_write(const haft_map *map, const char *path,
+                           haft_error *error) HAFT_MUST_CHECK;
 
 /** One row of results.h5's /summary. */
 typedef struct haft_summary {

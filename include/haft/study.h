@@ -25,10 +25,20 @@ typedef struct haft_progress {
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c,
                                     haft_error *error) HAFT_MUST_CHECK;
 
+/** Thickness of the water film adsorbed on each face at the case's humidity [m], 0 if it wants
+ * none. Menisci then reach from film to film: the capillary range is that of Kelvin's law and both
+ * films, as in DelRio, Dunn and de Boer (2008). */
+double haft_study_film(const haft_case *c);
+
 /** The plan of a case's surfaces.
  *  @param[in] patches how many patches of l_meso a block holds */
 haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c, size_t patches,
                                     haft_error *error) HAFT_MUST_CHECK;
+
+/** The windows of maps that a case's patches are laid out of; NULL where its surfaces are
+ * generated. */
+haft_status haft_study_tiling(haft_tiling **out, const haft_case *c,
+                              haft_error *error) HAFT_MUST_CHECK;
 
 /** How many patches a block of the seamless surface holds: a matter of memory, the same for any
  *  number of threads. 1 for independent patches. */

@@ -50,6 +50,53 @@ haft_psd_moments haft_psd_get_moments(const haft_psd *psd);
 /** Source: McCool (1987). Thread-safe. */
 haft_gw haft_gw_from_moments(haft_psd_moments moments);
 
+/** A radial PSD by points: s goes as a power between neighbours, is s[0] below zeta[0] and nothing
+ *  beyond the last. */
+typedef struct haft_psd_table {
+    size_t n;      /**< at least 2 */
+    double *zeta;  /**< increasing [rad/m] */
+    double *s;     /**< positive [m^4] */
+    double *count; /**< independent numbers behind s, an error of s/sqrt(count); NULL: exact */
+} haft_psd_table;
+
+haft_status haft_psd_table_create(haft_psd_table **out, size_t n,
+                                  haft_error *error) HAFT_MUST_CHECK;
+void haft_psd_table_destroy(haft_psd_table **table);
+
+/** Finite, increasing, positive, at least two points. */
+haft_status haft_psd_table_check(const haft_psd_table *table, haft_error *error) HAFT_MUST_CHECK;
+double haft_psd_table_value(const haft_psd_table *table, double zeta);
+haft_psd_moments haft_psd_table_get_moments(const haft_psd_table *table);
+
+/** The distribution of heights at a point, as a transformation q of a standard normal number: mean
+ * 0, variance 1. Read-only once made, shared by any number of threads. */
+typedef struct haft_marginal haft_marginal;
+
+/** The Johnson distribution of a skewness and a kurtosis (3 if normal): unbounded (sinh), bounded
+ *  (logistic), lognormal between the two, or normal. Exists for kurtosis > skewness^2 + 1.
+ *  @return HAFT_ERROR_INPUT for a pair that no distribution has, or one so near to two points that
+ *  no smooth one is meant. Source: Johnson (1949). */
+haft_status haft_marginal_johnson(haft_marginal **out, double skewness, double kurtosis,
+                                  haft_error *error) HAFT_MUST_CHECK;
+
+/** The heights' own distribution: their quantile function against the normal one; beyond the
+ * outermost heights it goes on as a straight line with the slope from the 1 % quantile on.
+ *  @param[in] z heights, NAN ones left out; at least 100 @return HAFT_ERROR_INPUT for fewer, or no
+ *  variance. */
+haft_status haft_marginal_from_heights(haft_marginal **out, size_t n, const double *z,
+                                       haft_error *error) HAFT_MUST_CHECK;
+void haft_marginal_destroy(haft_marginal **marginal);
+
+/** q(g), by cubic interpolation of a table. Thread-safe. */
+double haft_marginal_value(const haft_marginal *marginal, double g);
+
+/** What it is ("Johnson SU", ...), and the moments of q(g), by quadrature. */
+typedef struct haft_marginal_facts {
+    const char *name;
+    double skewness, kurtosis;
+} haft_marginal_facts;
+haft_marginal_facts haft_marginal_get_facts(const haft_marginal *marginal);
+
 /** A plan to generate surfaces: read-only once made, shared by any number of threads.
  *
  *  Method. White noise on a lattice of step p * grid_step (p the largest integer that keeps
@@ -58,7 +105,9 @@ haft_gw haft_gw_from_moments(haft_psd_moments moments);
  *  radius `reach`. A block transforms its own noise with a halo of that radius, multiplies by the
  *  kernel's transform over the fine grid, and interpolates by zero padding beyond zeta_max and what
  *  the taper smears. So the field is stationary by construction, blocks join as if they were one,
- *  any block can be had alone, and grids that share a lattice share their points. The
+ *  any block can be had alone, and grids that share a lattice share their points. With a marginal
+ *  the heights are sigma q(g), g the Gaussian surface of unit variance whose PSD is corrected until
+ *  that of sigma q(g) is the one asked for (haft_surface_facts says how nearly). The
  *  reach is the smallest for which what the taper takes from the kernel's energy is below
  *  `tolerance`. Row i runs along the beam, column j across it. */
 typedef struct haft_surface_plan haft_surface_plan;
@@ -68,7 +117,10 @@ typedef struct haft_surface_work haft_surface_work;
 
 typedef struct haft_surface_spec {
     haft_psd psd;
-    double grid_step; /**< fine grid [m], pi / (64 zeta_max) to pi / zeta_max */
+    const haft_psd_table
+        *table; /**< if not NULL, the PSD, instead of psd; only read while planning */
+    const haft_marginal *marginal; /**< NULL: Gaussian; must outlive the plan */
+    double grid_step;              /**< fine grid [m], pi / (64 zeta_max) to pi / zeta_max */
     size_t rows;      /**< fine rows in a block (along the beam); a multiple of the lattice ratio */
     size_t columns;   /**< fine columns (across the beam); a multiple of the lattice ratio */
     double tolerance; /**< energy the taper may take from the kernel, relative, 1e-9 to 0.1; 0 for
@@ -87,8 +139,9 @@ haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface
                                      haft_error *error) HAFT_MUST_CHECK;
 void haft_surface_plan_destroy(haft_surface_plan **plan);
 
-/** Facts of a plan. Moments are those of the generated field itself (tapered, on its grid), exact
- *  sums over the kernel's transform, to be compared with haft_psd_get_moments(). */
+/** Facts of a plan. Moments are those of the generated field itself (tapered, on its grid; with a
+ *  marginal those of g, scaled to the PSD's variance), exact sums over the kernel's transform, to
+ * be compared with haft_psd_get_moments(). */
 typedef struct haft_surface_facts {
     size_t lattice_ratio;
     double reach;                 /**< the kernel's radius [m] */
@@ -97,6 +150,11 @@ typedef struct haft_surface_facts {
     haft_psd_moments differences; /**< m2, m4 by central differences on the fine grid */
     size_t work_bytes;            /**< what one haft_surface_work takes */
     size_t halo_points;           /**< fine points transformed for a block, halo included */
+    double psd_error; /**< with a marginal, the largest relative error of the PSD's ring means below
+                           0.95 zeta_max (0 without) */
+    double beyond;    /**< with a marginal, the share of the variance beyond zeta_max */
+    double deviation; /**< with a marginal, of the heights [m]: the PSD inside the band is the one
+                           asked for, so its square exceeds m0 by that share */
     double leak; /**< kernel energy smeared beyond the lattice's band, relative: by how much the
                       variance may differ between fine points of a lattice cell */
 } haft_surface_facts;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Condensed water at a humidity, by Kelvin's law; a meniscus of constant pressure and range. */
+/* Condensed water at a humidity, by Kelvin's law; a meniscus of constant pressure and range. And
+ * the film that a hydrophilic surface carries besides, by a table. */
 #include <gsl/gsl_const_mksa.h>
 #include <math.h>
 
@@ -43,4 +44,40 @@ haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_s
         .range = -radius * (cos(spec->contact_angle_1) + cos(spec->contact_angle_2)),
     };
     return HAFT_OK;
+}
+
+haft_adsorption haft_adsorption_silica(void) {
+    static const double humidity[] = {0.30, 0.60, 0.99};
+    static const double thickness[] = {3 * 0.282e-9, 4 * 0.282e-9, 10 * 0.282e-9};
+    return (haft_adsorption){3, humidity, thickness};
+}
+
+haft_status haft_adsorption_check(const haft_adsorption *film, haft_error *error) {
+    for (size_t i = 0; i < film->n; i++) {
+        double before = i > 0 ? film->humidity[i - 1] : 0,
+               thinner = i > 0 ? film->thickness[i - 1] : 0;
+        if (!(film->humidity[i] > before && film->humidity[i] < 1) ||
+            !(film->thickness[i] >= thinner && isfinite(film->thickness[i]))) {
+            return haft_error_set(
+                error, HAFT_ERROR_INPUT,
+                "point %zu of the adsorbed film, %g m at RH %g: humidities must rise "
+                "between 0 and 1, and the thickness must not fall",
+                i + 1, film->thickness[i], film->humidity[i]);
+        }
+    }
+    return film->n > 0 ? HAFT_OK
+                       : haft_error_set(error, HAFT_ERROR_INPUT, "the adsorbed film has no points");
+}
+
+double haft_adsorption_thickness(const haft_adsorption *film, double humidity) {
+    double from = 0, thin = 0;
+    for (size_t i = 0; i < film->n; i++) {
+        if (humidity <= film->humidity[i]) {
+            double share = (humidity - from) / (film->humidity[i] - from);
+            return thin + share * (film->thickness[i] - thin);
+        }
+        from = film->humidity[i];
+        thin = film->thickness[i];
+    }
+    return thin;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The schema of case.yaml, and the reader that its parts share. Private to this room. */
-#ifndef HAFT_IO_CASE_H
-#define HAFT_IO_CASE_H
+#ifndef HAFT_IO_CASE_READER_H
+#define HAFT_IO_CASE_READER_H
 
 #include "haft/io.h"
 
@@ -20,6 +20,7 @@ typedef enum haft_key_type {
     HAFT_KEY_REAL,     /* double with a unit, or `count` of them in a list */
     HAFT_KEY_CHOICE,   /* an enum whose values are the places in `choices` */
     HAFT_KEY_EVIDENCE, /* a list of realizations, or "all" */
+    HAFT_KEY_FILES,    /* haft_case_files: `count` paths at most, in a list or one alone */
 } haft_key_type;
 
 /* What the laws depend on. */
@@ -29,6 +30,16 @@ typedef enum haft_laws_need {
     HAFT_LAWS_DIRECT, /* where each beam has its own */
     HAFT_LAWS_CHAOS,  /* where a stochastic model is built from them */
 } haft_laws_need;
+
+/* Keys of the surface that mean nothing without others are left out of resolved cases. */
+typedef enum haft_surface_part {
+    HAFT_PART_ALWAYS,
+    HAFT_PART_SELF_AFFINE, /* where the PSD is given by its parameters */
+    HAFT_PART_MAPS,        /* where maps are given */
+    HAFT_PART_FACES,       /* where both faces' are */
+    HAFT_PART_MARGINAL,    /* where heights are not Gaussian */
+    HAFT_PART_FILM,        /* where a water film is adsorbed */
+} haft_surface_part;
 
 /* One key: where it is written, what it may hold and where it goes. */
 typedef struct haft_key {
@@ -45,6 +56,7 @@ typedef struct haft_key {
     size_t offset;              /* in haft_case */
     size_t count;               /* reals in a list; 0: no list */
     int laws;                   /* whether the laws depend on it: a haft_laws_need */
+    int where;                  /* of which surfaces it is a part: a haft_surface_part */
 } haft_key;
 
 typedef enum haft_section_kind {
@@ -64,7 +76,7 @@ extern const haft_section haft_case_sections[];
 extern const size_t haft_case_section_count;
 
 /* Bounds on how many keys and sections there are, for arrays beside them. */
-enum { HAFT_KEYS_MAX = 96, HAFT_SECTIONS_MAX = 16 };
+enum { HAFT_KEYS_MAX = 160, HAFT_SECTIONS_MAX = 16 };
 
 /* Place of a dotted path among the keys or sections, or -1. */
 int haft_case_find_key(const char *path);
@@ -101,6 +113,7 @@ typedef enum haft_key_state { HAFT_UNSEEN, HAFT_DEFAULTED, HAFT_GOOD, HAFT_BAD }
 /* A case being read. */
 typedef struct haft_case_reader {
     haft_case *c;
+    const char *path; /* of the file */
     const haft_units *units;
     haft_key_state state[HAFT_KEYS_MAX];
     haft_mark mark[HAFT_KEYS_MAX];
@@ -130,6 +143,26 @@ bool haft_case_store(haft_case_reader *reader, int key, size_t entry, const char
 
 /* What a key's field holds, as a number: a choice by its place among the choices. */
 double haft_case_number(const haft_case *c, const haft_key *key);
+
+/* Reads the files that the surface's keys name and makes of them what the case holds: PSD,
+ * marginal, maps. Complains at the keys' places. */
+void haft_case_load_surface(haft_case_reader *reader);
+
+/* The adsorbed film, from its table where the case has one. */
+void haft_case_load_film(haft_case_reader *reader);
+
+/* Reads two named columns of the one file in `files`, times factors, and its digest: points[n][2],
+ * to be freed whatever comes of it. */
+haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *files,
+                                  const char *const names[2], const double factors[2],
+                                  haft_error *error);
+
+/* Whether a key belongs to the case at all. */
+bool haft_case_has_part(const haft_case *c, const haft_key *key);
+
+/* Were there values of a key, and were they good? */
+bool haft_case_is_sound(const haft_case_reader *reader, const char *path);
+bool haft_case_is_given(const haft_case_reader *reader, const char *path);
 
 /* Checks that need several keys at once. */
 void haft_case_cross_check(haft_case_reader *reader);

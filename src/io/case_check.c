@@ -19,12 +19,12 @@ enum {
 };
 static const double PATCH_POINTS_MOST = 1e9;
 
-static bool sound(const haft_case_reader *reader, const char *path) {
+bool haft_case_is_sound(const haft_case_reader *reader, const char *path) {
     int key = haft_case_find_key(path);
     return key >= 0 && (reader->state[key] == HAFT_GOOD || reader->state[key] == HAFT_DEFAULTED);
 }
 
-static bool given(const haft_case_reader *reader, const char *path) {
+bool haft_case_is_given(const haft_case_reader *reader, const char *path) {
     int key = haft_case_find_key(path);
     return key >= 0 && reader->state[key] == HAFT_GOOD;
 }
@@ -78,8 +78,12 @@ static void check_surface(haft_case_reader *reader, double *lattice) {
     const haft_psd *psd = &c->surface.psd;
     *lattice = 0;
     char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY];
-    bool band = sound(reader, "surface.zeta_max") && sound(reader, "surface.zeta_0");
-    bool levels = sound(reader, "surface.s_0") && sound(reader, "surface.s_1");
+    bool band = haft_case_is_sound(reader, "surface.zeta_max") &&
+                haft_case_is_sound(reader, "surface.zeta_0");
+    bool levels =
+        haft_case_is_sound(reader, "surface.s_0") && haft_case_is_sound(reader, "surface.s_1");
+    band = band && c->surface.table == NULL; /* which has been checked */
+    levels = levels && c->surface.table == NULL;
     if (band && psd->zeta_0 >= psd->zeta_max) {
         WRONG(reader, "surface.zeta_0",
               "%.6g rad/um is not below zeta_max; give less than %.6g "
@@ -92,7 +96,8 @@ static void check_surface(haft_case_reader *reader, double *lattice) {
               psd->s_1 * 1e36, psd->s_0 * 1e36);
         levels = false;
     }
-    if (!band || !levels || !sound(reader, "surface.grid_step")) {
+    bool known = c->surface.table != NULL || (band && levels);
+    if (!known || !(psd->zeta_max > 0) || !haft_case_is_sound(reader, "surface.grid_step")) {
         return;
     }
     size_t ratio = haft_surface_lattice_ratio(psd, c->surface.grid_step);
@@ -111,15 +116,15 @@ static void check_grid(haft_case_reader *reader, double lattice) {
     haft_case *c = reader->c;
     char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
     double ratio = lattice / c->surface.grid_step;
-    if (sound(reader, "beam.width") && !divides(lattice, c->beam.width)) {
+    if (haft_case_is_sound(reader, "beam.width") && !divides(lattice, c->beam.width)) {
         WRONG(reader, "beam.width",
               "%s is no multiple of %s, which is %.0f surface.grid_step (the "
               "coarsest that carries the PSD); nearest is %s",
               length_text(c->beam.width, a), length_text(lattice, b), ratio,
               length_text(fmax(1, round(c->beam.width / lattice)) * lattice, d));
     }
-    if (sound(reader, "beam.l_meso") && !divides(lattice, c->mesh.l_meso)) {
-        double nearest = sound(reader, "beam.length")
+    if (haft_case_is_sound(reader, "beam.l_meso") && !divides(lattice, c->mesh.l_meso)) {
+        double nearest = haft_case_is_sound(reader, "beam.length")
                              ? nearest_part(c->mesh.l_meso, c->beam.length, lattice)
                              : 0;
         if (nearest == 0) {
@@ -132,7 +137,8 @@ static void check_grid(haft_case_reader *reader, double lattice) {
               length_text(nearest, d));
     }
     double points = c->mesh.l_meso / c->surface.grid_step * (c->beam.width / c->surface.grid_step);
-    if (sound(reader, "beam.width") && sound(reader, "beam.l_meso") && points > PATCH_POINTS_MOST) {
+    if (haft_case_is_sound(reader, "beam.width") && haft_case_is_sound(reader, "beam.l_meso") &&
+        points > PATCH_POINTS_MOST) {
         WRONG(reader, "surface.grid_step",
               "%s gives a patch %.3g points; at most %.0g can be "
               "done, so give a coarser step",
@@ -143,7 +149,8 @@ static void check_grid(haft_case_reader *reader, double lattice) {
 static void check_part(haft_case_reader *reader, const char *path, double part, double unit) {
     char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
     double length = reader->c->beam.length;
-    if (!sound(reader, path) || part <= 0 || !sound(reader, "beam.length")) {
+    if (!haft_case_is_sound(reader, path) || part <= 0 ||
+        !haft_case_is_sound(reader, "beam.length")) {
         return;
     }
     if (!divides(part, length)) {
@@ -159,8 +166,9 @@ static void check_part(haft_case_reader *reader, const char *path, double part, 
 
 static void check_beam(haft_case_reader *reader, double lattice) {
     const haft_case *c = reader->c;
-    bool missing = sound(reader, "beam.mesh") && c->mesh.kind == HAFT_MESH_UNIFORM &&
-                   sound(reader, "beam.element_length") && !given(reader, "beam.element_length");
+    bool missing = haft_case_is_sound(reader, "beam.mesh") && c->mesh.kind == HAFT_MESH_UNIFORM &&
+                   haft_case_is_sound(reader, "beam.element_length") &&
+                   !haft_case_is_given(reader, "beam.element_length");
     if (missing && place(reader, "beam.element_length").line != 0) {
         WRONG(reader, "beam.element_length",
               "is missing; add \"element_length: 15 um\", or "
@@ -173,19 +181,21 @@ static void check_beam(haft_case_reader *reader, double lattice) {
 static void check_load(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
-    bool length = sound(reader, "beam.length");
-    if (sound(reader, "load.position") && length && c->mesh.load_position > c->beam.length) {
+    bool length = haft_case_is_sound(reader, "beam.length");
+    if (haft_case_is_sound(reader, "load.position") && length &&
+        c->mesh.load_position > c->beam.length) {
         WRONG(reader, "load.position", "%s is off the beam; give %s (its end) at most",
               length_text(c->mesh.load_position, a), length_text(c->beam.length, b));
     }
-    if (!sound(reader, "load.crack_length")) {
+    if (!haft_case_is_sound(reader, "load.crack_length")) {
         return;
     }
     double crack = c->programme.crack_length;
     if (length && crack >= c->beam.length) {
         WRONG(reader, "load.crack_length", "%s is not shorter than the beam; give less than %s",
               length_text(crack, a), length_text(c->beam.length, b));
-    } else if (length && sound(reader, "load.position") && crack <= c->mesh.load_position) {
+    } else if (length && haft_case_is_sound(reader, "load.position") &&
+               crack <= c->mesh.load_position) {
         WRONG(reader, "load.crack_length",
               "%s is not beyond load.position; give more than %s and "
               "less than %s",
@@ -199,7 +209,8 @@ static void check_distance(haft_case_reader *reader) {
     char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
     double from = c->contact.distance_from, to = c->contact.distance_to;
     double step = c->contact.distance_step, range = to - from;
-    if (!sound(reader, "contact.distance.from") || !sound(reader, "contact.distance.to")) {
+    if (!haft_case_is_sound(reader, "contact.distance.from") ||
+        !haft_case_is_sound(reader, "contact.distance.to")) {
         return;
     }
     if (range <= 0) {
@@ -207,13 +218,13 @@ static void check_distance(haft_case_reader *reader) {
               length_text(to, a), length_text(from, b));
         return;
     }
-    if (sound(reader, "beam.gap") && to >= c->beam.gap) {
+    if (haft_case_is_sound(reader, "beam.gap") && to >= c->beam.gap) {
         WRONG(reader, "contact.distance.to",
               "%s reaches up to the beam at rest; give less than "
               "beam.gap, %s",
               length_text(to, a), length_text(c->beam.gap, b));
     }
-    if (!sound(reader, "contact.distance.step")) {
+    if (!haft_case_is_sound(reader, "contact.distance.step")) {
         return;
     }
     if (step > range / (DISTANCES_LEAST - 1) * (1 + DIVIDES)) {
@@ -234,7 +245,7 @@ static void check_distance(haft_case_reader *reader) {
 static void check_forces(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     bool both = c->contact.has_capillary && c->contact.has_vdw;
-    if (!sound(reader, "contact.forces")) {
+    if (!haft_case_is_sound(reader, "contact.forces")) {
         return;
     }
     if (c->contact.forces == HAFT_FORCES_AUTO && !both) {
@@ -244,7 +255,7 @@ static void check_forces(haft_case_reader *reader) {
               c->contact.has_capillary ? "vdw" : "capillary",
               c->contact.has_capillary ? " (\"vdw: {}\" is enough)" : "");
     } else if (c->contact.forces == HAFT_FORCES_GIVEN && c->contact.has_capillary &&
-               given(reader, "contact.capillary.humidity") &&
+               haft_case_is_given(reader, "contact.capillary.humidity") &&
                !(c->contact.capillary.humidity > 0)) {
         WRONG(reader, "contact.capillary.humidity",
               "no water condenses in dry air; give a humidity above 0 %%, or leave "
@@ -254,12 +265,14 @@ static void check_forces(haft_case_reader *reader) {
 }
 
 static void check_limit(haft_case_reader *reader) {
-    bool push = given(reader, "law.f_limit"), share = given(reader, "law.f_limit_share");
+    bool push = haft_case_is_given(reader, "law.f_limit"),
+         share = haft_case_is_given(reader, "law.f_limit_share");
     if (push && share) {
         WRONG(reader, "law.f_limit_share",
               "stands beside f_limit, and only one can be the limit push; leave out one of them");
-    } else if (!push && !share && sound(reader, "law.f_limit") &&
-               sound(reader, "law.f_limit_share") && place(reader, "law.f_limit").line != 0) {
+    } else if (!push && !share && haft_case_is_sound(reader, "law.f_limit") &&
+               haft_case_is_sound(reader, "law.f_limit_share") &&
+               place(reader, "law.f_limit").line != 0) {
         WRONG(reader, "law.f_limit",
               "is missing; add \"f_limit: 5 MPa\", or \"f_limit_share: 20 %%\" of each curve's "
               "greatest pull");
@@ -268,17 +281,17 @@ static void check_limit(haft_case_reader *reader) {
 
 static void check_chaos(haft_case_reader *reader) {
     const haft_case *c = reader->c;
-    if (!sound(reader, "law.sampler") || !haft_sampler_is_stochastic(c->law.sampler)) {
+    if (!haft_case_is_sound(reader, "law.sampler") || !haft_sampler_is_stochastic(c->law.sampler)) {
         return;
     }
-    if (sound(reader, "law.kind") && c->law.kind == HAFT_LAW_TABLE) {
+    if (haft_case_is_sound(reader, "law.kind") && c->law.kind == HAFT_LAW_TABLE) {
         WRONG(reader, "law.kind",
               "table needs curves, and a stochastic sampler draws law vectors; give morse, or "
               "law.sampler: explicit");
     }
     size_t order = c->law.chaos.spec.order, points = c->law.chaos.spec.points;
-    if (sound(reader, "law.chaos.points") && sound(reader, "law.chaos.order") && points != 0 &&
-        points <= order) {
+    if (haft_case_is_sound(reader, "law.chaos.points") &&
+        haft_case_is_sound(reader, "law.chaos.order") && points != 0 && points <= order) {
         WRONG(reader, "law.chaos.points",
               "%zu points a direction cannot tell order %zu; give %zu at least, or 0 for as many",
               points, order, order + 1);
@@ -287,8 +300,8 @@ static void check_chaos(haft_case_reader *reader) {
 
 static void check_stop(haft_case_reader *reader) {
     const haft_case *c = reader->c;
-    if (given(reader, "study.stop.crack_length_mean") && sound(reader, "study.realizations") &&
-        c->realizations <= HAFT_STOP_LEAST) {
+    if (haft_case_is_given(reader, "study.stop.crack_length_mean") &&
+        haft_case_is_sound(reader, "study.realizations") && c->realizations <= HAFT_STOP_LEAST) {
         WRONG(reader, "study.stop.crack_length_mean",
               "can end nothing before %d realizations, of which there are %zu; give realizations: "
               "%d at least, or leave it out",
@@ -298,7 +311,8 @@ static void check_stop(haft_case_reader *reader) {
 
 static void check_evidence(haft_case_reader *reader) {
     const haft_case *c = reader->c;
-    if (!sound(reader, "output.evidence") || !sound(reader, "study.realizations")) {
+    if (!haft_case_is_sound(reader, "output.evidence") ||
+        !haft_case_is_sound(reader, "study.realizations")) {
         return;
     }
     for (size_t i = 0; i < c->evidence.count; i++) {
@@ -313,6 +327,8 @@ static void check_evidence(haft_case_reader *reader) {
 
 void haft_case_cross_check(haft_case_reader *reader) {
     double lattice = 0;
+    haft_case_load_surface(reader);
+    haft_case_load_film(reader);
     check_surface(reader, &lattice);
     check_beam(reader, lattice);
     if (lattice > 0) {

@@ -26,8 +26,15 @@ static bool is_present(const haft_case *c, const haft_key *key) {
         haft_case_is_member(key->path, "law.chaos")) {
         return false;
     }
+    if (!haft_case_has_part(c, key)) {
+        return false;
+    }
     if (key->fallback == NULL || strcmp(key->fallback, "none") != 0) {
         return true;
+    }
+    if (key->type == HAFT_KEY_FILES) {
+        const haft_case_files *files = field_of(c, key);
+        return files->count > 0;
     }
     double value = 0;
     memcpy(&value, field_of(c, key), sizeof value);
@@ -74,6 +81,16 @@ static void write_evidence(FILE *stream, const haft_case *c) {
     fputc(']', stream);
 }
 
+/* Paths, or, for the digest of the laws, what the files hold. */
+static void write_files(FILE *stream, const haft_case_files *files, bool contents) {
+    fputc('[', stream);
+    for (size_t i = 0; i < files->count; i++) {
+        fputs(i > 0 ? ", " : "", stream);
+        write_quoted(stream, contents ? files->digest[i] : files->path[i]);
+    }
+    fputc(']', stream);
+}
+
 static void write_value(FILE *stream, const haft_case *c, const haft_key *key) {
     const void *field = field_of(c, key);
     switch (key->type) {
@@ -104,6 +121,9 @@ static void write_value(FILE *stream, const haft_case *c, const haft_key *key) {
     }
     case HAFT_KEY_EVIDENCE:
         write_evidence(stream, c);
+        break;
+    case HAFT_KEY_FILES:
+        write_files(stream, field, false);
         break;
     }
 }
@@ -146,7 +166,11 @@ static void write_laws_inputs(FILE *stream, const haft_case *c) {
         const haft_key *key = &haft_case_keys[i];
         if ((key->laws == HAFT_LAWS_ALWAYS || key->laws == (int)other) && is_present(c, key)) {
             fprintf(stream, "%s: ", key->path);
-            write_value(stream, c, key);
+            if (key->type == HAFT_KEY_FILES) {
+                write_files(stream, field_of(c, key), true);
+            } else {
+                write_value(stream, c, key);
+            }
             fputc('\n', stream);
         }
     }

@@ -33,6 +33,11 @@ static bool read_list(haft_case_reader *reader, yaml_document_t *document, int k
                            k->count, haft_case_leaf(k->path), k->example);
         return false;
     }
+    if (k->type == HAFT_KEY_FILES && (n < 1 || n > k->count)) {
+        haft_case_complain(reader, mark, k->path, "has %zu entries; give 1 to %zu files", n,
+                           k->count);
+        return false;
+    }
     if (k->type == HAFT_KEY_EVIDENCE && n > HAFT_EVIDENCE_LIMIT) {
         haft_case_complain(reader, mark, k->path, "has %zu entries; give %d at most, or all", n,
                            HAFT_EVIDENCE_LIMIT);
@@ -61,8 +66,8 @@ static bool read_value(haft_case_reader *reader, yaml_document_t *document, int 
                        const yaml_node_t *node) {
     const haft_key *k = &haft_case_keys[key];
     haft_mark mark = haft_case_mark_of(node->start_mark);
-    bool takes_list = k->type == HAFT_KEY_EVIDENCE || k->count > 0;
-    if (node->type == YAML_SEQUENCE_NODE && takes_list) {
+    bool takes_list = k->type == HAFT_KEY_EVIDENCE || (k->count > 0 && k->type != HAFT_KEY_FILES);
+    if (node->type == YAML_SEQUENCE_NODE && (takes_list || k->type == HAFT_KEY_FILES)) {
         return read_list(reader, document, key, node);
     }
     if (node->type != YAML_SCALAR_NODE) {
@@ -88,7 +93,7 @@ static bool read_value(haft_case_reader *reader, yaml_document_t *document, int 
  */
 static void complain_unknown(haft_case_reader *reader, const char *section, const char *leaf,
                              const char *path, haft_mark mark) {
-    const char *known[HAFT_KEYS_MAX + HAFT_SECTIONS_MAX];
+    const char *known[HAFT_KEYS_MAX + HAFT_SECTIONS_MAX] = {NULL};
     const char *elsewhere = NULL;
     size_t n = 0;
     char all[256] = "";
@@ -337,6 +342,7 @@ static haft_status resolve(haft_case **out, const haft_case_text *text, const ch
     if (status == HAFT_OK) {
         haft_case_preset(c);
         reader->c = c;
+        reader->path = path;
         c->sweep.variants = 1;
         c->sweep.variant = variant;
         reader->units = units;
@@ -380,6 +386,13 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 void haft_case_destroy(haft_case **c) {
     if (c != NULL && *c != NULL) {
         haft_memory_free((*c)->evidence.realization);
+        haft_memory_free((*c)->contact.film_data);
+        haft_psd_table_destroy(&(*c)->surface.table);
+        haft_marginal_destroy(&(*c)->surface.distribution);
+        for (size_t k = 0; k < HAFT_FILES_MAX; k++) {
+            haft_map_destroy(&(*c)->surface.map.map[k]);
+            haft_map_destroy(&(*c)->surface.opposite.map[k]);
+        }
         haft_memory_free(*c);
         *c = NULL;
     }

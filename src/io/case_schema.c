@@ -11,6 +11,13 @@
 #define POSITIVE .low = 0, .high = INFINITY
 #define SHARE .low = 0, .high = 1
 
+static const char *const levels[] = {"mean", "plane", "quadratic", "lines", NULL};
+static const char *const treatments[] = {"exclude", "fill", NULL};
+static const char *const windows[] = {"none", "hann", "welch", "blackman", "tukey", NULL};
+static const char *const uses[] = {"table", "fit", NULL};
+static const char *const sources[] = {"generated", "maps", NULL};
+static const char *const marginals[] = {"gaussian", "johnson", "heights", NULL};
+static const char *const films[] = {"none", "silica", "table", NULL};
 static const char *const asperities[] = {"summits", "islands", NULL};
 static const char *const forces[] = {"given", "auto", NULL};
 static const char *const vdw_paths[] = {"separation", "approach", NULL};
@@ -33,6 +40,11 @@ _Static_assert(sizeof(haft_sampler) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_mesh_kind) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_curves_kept) == sizeof(int), "enums are ints");
 _Static_assert(HAFT_CURVES_ALL == 0 && HAFT_CURVES_NEEDED == 1, "order of choices");
+_Static_assert(HAFT_LEVEL_MEAN == 0 && HAFT_LEVEL_LINES == 3 && HAFT_MISSING_EXCLUDE == 0 &&
+                   HAFT_WINDOW_NONE == 0 && HAFT_WINDOW_TUKEY == 4 && HAFT_PSD_TABLE == 0 &&
+                   HAFT_SOURCE_GENERATED == 0 && HAFT_MARGINAL_GAUSSIAN == 0 &&
+                   HAFT_MARGINAL_HEIGHTS == 2,
+               "order of choices");
 _Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
 _Static_assert(HAFT_FORCES_GIVEN == 0 && HAFT_FORCES_AUTO == 1 && HAFT_VDW_SEPARATION == 0 &&
                    HAFT_VDW_APPROACH == 1,
@@ -72,12 +84,17 @@ const haft_section haft_case_sections[] = {
 };
 const size_t haft_case_section_count = sizeof haft_case_sections / sizeof *haft_case_sections;
 
-#define REAL(where, dimension, ...)                                                                \
-    { .path = where, .type = HAFT_KEY_REAL, .unit = dimension, __VA_ARGS__ }
-#define CHOICE(where, words, ...)                                                                  \
-    { .path = where, .type = HAFT_KEY_CHOICE, .choices = words, __VA_ARGS__ }
-#define COUNT(where, ...)                                                                          \
-    { .path = where, .type = HAFT_KEY_COUNT, .low_in = true, .high_in = true, __VA_ARGS__ }
+#define REAL(place, dimension, ...)                                                                \
+    { .path = place, .type = HAFT_KEY_REAL, .unit = dimension, __VA_ARGS__ }
+#define CHOICE(place, words, ...)                                                                  \
+    { .path = place, .type = HAFT_KEY_CHOICE, .choices = words, __VA_ARGS__ }
+#define FILES(place, most, ...)                                                                    \
+    {                                                                                              \
+        .path = place, .type = HAFT_KEY_FILES, .count = most, .fallback = "none",                  \
+        .laws = HAFT_LAWS_ALWAYS, __VA_ARGS__                                                      \
+    }
+#define COUNT(place, ...)                                                                          \
+    { .path = place, .type = HAFT_KEY_COUNT, .low_in = true, .high_in = true, __VA_ARGS__ }
 
 /* The keys of a section stand together, sections in the order of the table above. */
 const haft_key haft_case_keys[] = {
@@ -93,18 +110,63 @@ const haft_key haft_case_keys[] = {
      .offset = AT(seed),
      .laws = HAFT_LAWS_ALWAYS},
 
-    REAL("surface.zeta_max", "rad/m", POSITIVE, .example = "289 rad/um",
+    /* The PSD by its parameters, or maps, or a table: see haft_case_load_surface(). */
+    REAL("surface.zeta_max", "rad/m", POSITIVE, .fallback = "none", .example = "289 rad/um",
          .offset = AT(surface.psd.zeta_max), .laws = HAFT_LAWS_ALWAYS),
-    REAL("surface.zeta_0", "rad/m", POSITIVE, .example = "19.4 rad/um",
-         .offset = AT(surface.psd.zeta_0), .laws = HAFT_LAWS_ALWAYS),
-    REAL("surface.s_0", "m^4", POSITIVE, .example = "6.46e3 nm^4", .offset = AT(surface.psd.s_0),
-         .laws = HAFT_LAWS_ALWAYS),
-    REAL("surface.s_1", "m^4", POSITIVE, .example = "6.46e-3 nm^4", .offset = AT(surface.psd.s_1),
-         .laws = HAFT_LAWS_ALWAYS),
+    REAL("surface.zeta_0", "rad/m", POSITIVE, .fallback = "none", .example = "19.4 rad/um",
+         .offset = AT(surface.psd.zeta_0), .laws = HAFT_LAWS_ALWAYS,
+         .where = HAFT_PART_SELF_AFFINE),
+    REAL("surface.s_0", "m^4", POSITIVE, .fallback = "none", .example = "6.46e3 nm^4",
+         .offset = AT(surface.psd.s_0), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_SELF_AFFINE),
+    REAL("surface.s_1", "m^4", POSITIVE, .fallback = "none", .example = "6.46e-3 nm^4",
+         .offset = AT(surface.psd.s_1), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_SELF_AFFINE),
     REAL("surface.grid_step", "m", POSITIVE, .example = "5 nm", .offset = AT(surface.grid_step),
          .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.kernel_tolerance", "1", SHARE, .fallback = "1e-5", .example = "1e-5",
          .offset = AT(surface.kernel_tolerance), .laws = HAFT_LAWS_ALWAYS),
+    FILES("surface.maps", HAFT_FILES_MAX, .example = "[map.spm]", .offset = AT(surface.maps),
+          .where = HAFT_PART_MAPS),
+    FILES("surface.opposite_maps", HAFT_FILES_MAX, .example = "[other.spm]",
+          .offset = AT(surface.opposite_maps), .where = HAFT_PART_FACES),
+    FILES("surface.psd", 1, .example = "psd.csv", .offset = AT(surface.psd_file)),
+    {.path = "surface.channel",
+     .type = HAFT_KEY_TEXT,
+     .fallback = "",
+     .example = "Height",
+     .offset = AT(surface.channel),
+     .laws = HAFT_LAWS_ALWAYS,
+     .where = HAFT_PART_MAPS},
+    REAL("surface.map_size", "m", POSITIVE, .count = 2, .fallback = "none",
+         .example = "[10 um, 10 um]", .offset = AT(surface.map_size), .laws = HAFT_LAWS_ALWAYS,
+         .where = HAFT_PART_MAPS),
+    REAL("surface.map_unit", "m", POSITIVE, .fallback = "none", .example = "1 nm",
+         .offset = AT(surface.map_unit), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    REAL("surface.map_lateral_unit", "m", POSITIVE, .fallback = "none", .example = "1 um",
+         .offset = AT(surface.map_lateral_unit), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    CHOICE("surface.level", levels, .fallback = "plane", .example = "plane",
+           .offset = AT(surface.level), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    REAL("surface.outliers", "1", .low = 1, .low_in = true, .high = INFINITY, .fallback = "none",
+         .example = "6", .offset = AT(surface.outliers), .laws = HAFT_LAWS_ALWAYS,
+         .where = HAFT_PART_MAPS),
+    CHOICE("surface.missing", treatments, .fallback = "exclude", .example = "exclude",
+           .offset = AT(surface.missing), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    CHOICE("surface.window", windows, .fallback = "hann", .example = "hann",
+           .offset = AT(surface.window), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    REAL("surface.tip_radius", "m", POSITIVE, .fallback = "none", .example = "8 nm",
+         .offset = AT(surface.tip_radius), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    CHOICE("surface.use", uses, .fallback = "table", .example = "table", .offset = AT(surface.use),
+           .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    REAL("surface.coherence", "1", .low = -1, .low_in = true, .high = 1, .high_in = true,
+         .fallback = "0", .example = "0", .offset = AT(surface.coherence), .laws = HAFT_LAWS_ALWAYS,
+         .where = HAFT_PART_FACES),
+    CHOICE("surface.source", sources, .fallback = "generated", .example = "generated",
+           .offset = AT(surface.source), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MAPS),
+    CHOICE("surface.marginal", marginals, .fallback = "gaussian", .example = "gaussian",
+           .offset = AT(surface.marginal), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MARGINAL),
+    REAL("surface.skewness", "1", .low = -20, .high = 20, .fallback = "none", .example = "0.5",
+         .offset = AT(surface.skewness), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MARGINAL),
+    REAL("surface.kurtosis", "1", .low = 1, .high = 2000, .fallback = "none", .example = "3.4",
+         .offset = AT(surface.kurtosis), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_MARGINAL),
 
     CHOICE("contact.asperities", asperities, .example = "islands", .offset = AT(contact.asperities),
            .laws = HAFT_LAWS_ALWAYS),
@@ -139,6 +201,10 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.vdw.r0), .laws = HAFT_LAWS_ALWAYS),
     CHOICE("contact.vdw.path", vdw_paths, .fallback = "separation", .example = "separation",
            .offset = AT(contact.vdw.path), .laws = HAFT_LAWS_ALWAYS),
+    CHOICE("contact.capillary.adsorbed", films, .fallback = "none", .example = "silica",
+           .offset = AT(contact.adsorbed), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_FILM),
+    FILES("contact.capillary.adsorbed_table", 1, .example = "film.csv",
+          .offset = AT(contact.adsorbed_file), .where = HAFT_PART_FILM),
     REAL("contact.distance.from", "m", .low = 0, .low_in = true, .high = INFINITY,
          .example = "3 nm", .offset = AT(contact.distance_from), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.distance.to", "m", POSITIVE, .example = "28 nm",
@@ -246,6 +312,7 @@ bool haft_sampler_is_stochastic(haft_sampler sampler) {
 
 void haft_case_preset(haft_case *c) {
     c->programme.load_limit = INFINITY;
+    c->surface.skewness = c->surface.kurtosis = NAN;
     c->reference.paper_crack_length = NAN;
     c->reference.measured_crack_length = NAN;
     double *const ranges[] = {c->reference.zero_distance, c->reference.contact_area,

@@ -242,6 +242,29 @@ static bool store_evidence(haft_case_reader *reader, const haft_key *key, size_t
     return true;
 }
 
+/* A file's path, from the folder of the case where it is not absolute. */
+static bool store_file(haft_case_reader *reader, const haft_key *key, size_t entry,
+                       const char *text, haft_mark mark) {
+    haft_case_files *files = field_of(reader, key);
+    const char *slash = strrchr(reader->path, '/');
+    int folder = text[0] == '/' || slash == NULL ? 0 : (int)(slash - reader->path) + 1;
+    char joined[HAFT_PATH_CAPACITY];
+    int n = snprintf(joined, sizeof joined, "%.*s%s", folder, reader->path, text);
+    char *whole = n > 0 && n < HAFT_PATH_CAPACITY ? realpath(joined, NULL) : NULL;
+    if (whole == NULL || strlen(whole) >= HAFT_PATH_CAPACITY) {
+        haft_case_complain(reader, mark, key->path,
+                           "there is no file %.300s; give a path from the "
+                           "case's folder",
+                           joined);
+        free(whole);
+        return false;
+    }
+    snprintf(files->path[entry], HAFT_PATH_CAPACITY, "%s", whole);
+    free(whole);
+    files->count = entry + 1;
+    return true;
+}
+
 double haft_case_number(const haft_case *c, const haft_key *key) {
     const char *field = (const char *)c + key->offset;
     double real;
@@ -291,6 +314,8 @@ bool haft_case_store(haft_case_reader *reader, int index, size_t entry, const ch
         return store_choice(reader, key, text, mark);
     case HAFT_KEY_EVIDENCE:
         return store_evidence(reader, key, entry, text, mark);
+    case HAFT_KEY_FILES:
+        return store_file(reader, key, entry, text, mark);
     }
     return false;
 }

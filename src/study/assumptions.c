@@ -88,7 +88,7 @@ static void find_plasticity(haft_findings *out, const haft_evidence *e) {
     const haft_laws *laws = e->laws;
     double nu = c->contact.poisson_ratio, young = c->contact.young_modulus, sum = 0;
     double modulus = haft_contact_modulus(young, nu, young, nu);
-    double rough = 0.5 * modulus * sqrt(2 * haft_psd_get_moments(&c->surface.psd).m2);
+    double rough = 0.5 * modulus * sqrt(2 * haft_case_moments(c).m2);
     haft_capillary capillary = {0};
     size_t n = 0;
     haft_physics physics = haft_case_physics(c);

@@ -9,6 +9,14 @@
 /* Length of a seamless block: long against the kernel's halo, short against memory. */
 #define BLOCK_LENGTH 12e-6
 
+double haft_study_film(const haft_case *c) {
+    haft_adsorption silica = haft_adsorption_silica();
+    const haft_adsorption *film =
+        c->contact.adsorbed == HAFT_ADSORBED_TABLE ? &c->contact.film : &silica;
+    bool any = c->contact.has_capillary && c->contact.adsorbed != HAFT_ADSORBED_NONE;
+    return any ? haft_adsorption_thickness(film, c->contact.capillary.humidity) : 0;
+}
+
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, haft_error *error) {
     double e = c->contact.young_modulus, nu = c->contact.poisson_ratio;
     haft_physics physics = haft_case_physics(c);
@@ -22,7 +30,7 @@ haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, 
         haft_capillary capillary = {0};
         status = haft_capillary_from_spec(&capillary, &c->contact.capillary, error);
         out->pressure = capillary.pressure;
-        out->capillary_range = capillary.range;
+        out->capillary_range = capillary.range + 2 * haft_study_film(c);
     }
     if (physics.vdw && status == HAFT_OK) {
         haft_vdw_spec spec = {.hamaker = physics.humid ? c->contact.vdw.hamaker_humid
@@ -69,6 +77,8 @@ haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c,
     bool whole = c->law.sampler == HAFT_SAMPLER_EXPLICIT;
     haft_surface_spec spec = {
         .psd = c->surface.psd,
+        .table = c->surface.table,
+        .marginal = c->surface.distribution,
         .grid_step = c->surface.grid_step,
         .rows = patches * rows_of(c),
         .columns = columns_of(c),
@@ -76,6 +86,27 @@ haft_status haft_study_surface_plan(haft_surface_plan **out, const haft_case *c,
         .key = {c->seed, whole ? HAFT_RANDOM_BEAM_SURFACE : HAFT_RANDOM_PATCH_SURFACE},
     };
     return haft_surface_plan_create(out, &spec, error);
+}
+
+haft_status haft_study_tiling(haft_tiling **out, const haft_case *c, haft_error *error) {
+    *out = NULL;
+    if (c->surface.source != HAFT_SOURCE_MAPS) {
+        return HAFT_OK;
+    }
+    const haft_map *maps[HAFT_FILES_MAX], *opposite[HAFT_FILES_MAX];
+    for (size_t k = 0; k < HAFT_FILES_MAX; k++) {
+        maps[k] = c->surface.map.map[k];
+        opposite[k] = c->surface.opposite.map[k];
+    }
+    haft_tiling_spec spec = {.n = c->surface.map.count,
+                             .maps = maps,
+                             .opposite_n = c->surface.opposite.count,
+                             .opposite = opposite,
+                             .grid_step = c->surface.grid_step,
+                             .rows = rows_of(c),
+                             .columns = columns_of(c),
+                             .seed = c->seed};
+    return haft_tiling_create(out, &spec, error);
 }
 
 /* One thread's scratch. */
@@ -102,7 +133,10 @@ void haft_builder_hand_destroy(haft_builder_hand **hand) {
 
 static haft_status fill_hand(haft_builder_hand *w, const haft_builder *b, haft_error *error) {
     size_t rows = rows_of(b->c), columns = columns_of(b->c);
-    haft_status status = haft_surface_work_create(&w->surface, b->plan, error);
+    haft_status status = HAFT_OK;
+    if (b->plan != NULL) {
+        status = haft_surface_work_create(&w->surface, b->plan, error);
+    }
     if (status == HAFT_OK) {
         status = haft_contact_work_create(&w->contact, rows, columns, error);
     }
@@ -130,6 +164,7 @@ haft_status haft_builder_hand_create(haft_builder_hand **out, const haft_builder
 void haft_builder_destroy(haft_builder **builder) {
     if (builder != NULL && *builder != NULL) {
         haft_surface_plan_destroy(&(*builder)->plan);
+        haft_tiling_destroy(&(*builder)->tiling);
         haft_maugis_table_destroy(&(*builder)->maugis);
         haft_memory_free(*builder);
         *builder = NULL;
@@ -153,6 +188,9 @@ haft_status haft_builder_create(haft_builder **out, const haft_case *c, haft_err
     b->end_block = (b->end_site + b->block_patches - 1) / b->block_patches;
     haft_status status = haft_study_contact_spec(&b->contact, c, error);
     if (status == HAFT_OK) {
+        status = haft_study_tiling(&b->tiling, c, error);
+    }
+    if (status == HAFT_OK && b->tiling == NULL) {
         status = haft_study_surface_plan(&b->plan, c, b->block_patches, error);
     }
     if (status == HAFT_OK && b->contact.has_vdw) {
@@ -226,6 +264,10 @@ haft_status haft_builder_block(const haft_builder *b, haft_builder_hand *w, size
     size_t first = start < b->first_site ? b->first_site : start;
     size_t end = start + b->block_patches < b->end_site ? start + b->block_patches : b->end_site;
     bool whole = b->c->law.sampler == HAFT_SAMPLER_EXPLICIT;
+    if (b->tiling != NULL) {
+        haft_tiling_fill(b->tiling, realization, block, w->z);
+        return enter_patch(b, w, laws, row + first - b->first_site, error);
+    }
     haft_status status = haft_surface_prepare(w->surface, realization, whole ? 0 : block,
                                               whole ? (long)(start * rows) : 0, error);
     for (size_t r = first; r < end && status == HAFT_OK; r++) {

@@ -11,6 +11,7 @@ typedef struct haft_builder {
     const haft_case *c;
     haft_contact_spec contact;
     haft_surface_plan *plan;
+    haft_tiling *tiling;         /* windows of maps, instead of the plan; a block is a patch */
     haft_maugis_table *maugis;   /* NULL without van der Waals forces */
     size_t n;                    /* distances */
     size_t first_site, end_site; /* patches that get laws: of the beam, or of the model */

@@ -27,29 +27,47 @@ static void fill_map(haft_sheet *t, const double *z, size_t rows, size_t columns
     t->column[2].name = "z [nm]";
 }
 
-/* A square piece from the corner of realization 0's surface. */
-static haft_status write_surface(const haft_case *c, const char *directory, haft_error *error) {
+/* The first rows of realization 0's first block (or, of maps, of its first patch) into *z. */
+static haft_status draw_piece(double **z, size_t rows, size_t columns, const haft_case *c,
+                              haft_error *error) {
     haft_surface_plan *plan = NULL;
     haft_surface_work *work = NULL;
-    haft_sheet t = {0};
-    double *z = NULL;
-    size_t patches = haft_study_block_patches(c);
-    double step = c->surface.grid_step;
-    size_t rows = (size_t)llround((double)patches * c->mesh.l_meso / step);
-    size_t wanted = (size_t)llround(MAP_SIZE / step);
-    size_t columns = (size_t)llround(c->beam.width / step);
-    rows = rows < wanted ? rows : wanted;
-    haft_status status = haft_study_surface_plan(&plan, c, patches, error);
+    haft_tiling *tiling = NULL;
+    size_t all = (size_t)llround(c->mesh.l_meso / c->surface.grid_step);
+    *z = haft_memory_alloc((rows > all ? rows : all) * columns, sizeof **z, error);
+    haft_status status = *z == NULL ? HAFT_ERROR_MEMORY : haft_study_tiling(&tiling, c, error);
+    if (tiling != NULL) {
+        haft_tiling_fill(tiling, 0, 0, *z);
+        haft_tiling_destroy(&tiling);
+        return status;
+    }
+    if (status == HAFT_OK) {
+        status = haft_study_surface_plan(&plan, c, haft_study_block_patches(c), error);
+    }
     if (status == HAFT_OK) {
         status = haft_surface_work_create(&work, plan, error);
     }
     if (status == HAFT_OK) {
-        z = haft_memory_alloc(rows * columns, sizeof *z, error);
-        status = z == NULL ? HAFT_ERROR_MEMORY : haft_surface_prepare(work, 0, 0, 0, error);
+        status = haft_surface_prepare(work, 0, 0, 0, error);
     }
     if (status == HAFT_OK) {
-        status = haft_surface_rows(work, 0, rows, z, error);
+        status = haft_surface_rows(work, 0, rows, *z, error);
     }
+    haft_surface_work_destroy(&work);
+    haft_surface_plan_destroy(&plan);
+    return status;
+}
+
+/* A square piece from the corner of realization 0's surface. */
+static haft_status write_surface(const haft_case *c, const char *directory, haft_error *error) {
+    haft_sheet t = {0};
+    double *z = NULL, step = c->surface.grid_step;
+    size_t patches = haft_study_block_patches(c);
+    size_t rows = (size_t)llround((double)patches * c->mesh.l_meso / step);
+    size_t wanted = (size_t)llround(MAP_SIZE / step);
+    size_t columns = (size_t)llround(c->beam.width / step);
+    rows = rows < wanted ? rows : wanted;
+    haft_status status = draw_piece(&z, rows, columns, c, error);
     if (status == HAFT_OK) {
         status = haft_sheet_make(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error);
     }
@@ -58,8 +76,6 @@ static haft_status write_surface(const haft_case *c, const char *directory, haft
         status = haft_sheet_write(&t, directory, "surface.csv", error);
     }
     haft_memory_free(z);
-    haft_surface_work_destroy(&work);
-    haft_surface_plan_destroy(&plan);
     return status;
 }
 

@@ -11,6 +11,7 @@
  * beam waits until rows are asked for; the fine block never exists at once.
  *
  * Limits: streams below 2^32, lattice rows within 2^31 of the corner. */
+#include "surface/marginal.h"
 #include "surface/plan.h"
 
 #include <string.h>
@@ -229,6 +230,10 @@ haft_status haft_surface_rows(haft_surface_work *work, size_t row, size_t n, dou
         memset(work->row_complex + kept, 0, (work->sizes.row_complex - kept) * sizeof *work->field);
         fftw_execute_dft_c2r(plan->row_inverse, work->row_complex, work->row_real);
         memcpy(z + i * columns, work->row_real + plan->halo * plan->ratio, columns * sizeof *z);
+        if (plan->spec.marginal != NULL) {
+            haft_marginal_apply(plan->spec.marginal, plan->scale_in, plan->facts.deviation, columns,
+                                z + i * columns);
+        }
     }
     return HAFT_OK;
 }

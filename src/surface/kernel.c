@@ -45,6 +45,32 @@ static size_t power_law_nodes(const haft_psd *psd, const gsl_integration_glfixed
     return n;
 }
 
+/* Panels for the stretch between points k and k + 1. */
+static size_t table_panels(const haft_psd_table *table, size_t k, double radius) {
+    double span = table->zeta[k + 1] - table->zeta[k];
+    return 1 + (size_t)(span * radius / PANEL_PHASE) + (size_t)(span / table->zeta[k]);
+}
+
+/* The same for a PSD by points: its stretches between points, which are powers, in panels that are
+ * short for the wave and for the power. */
+static size_t table_nodes(const haft_psd_table *table, const gsl_integration_glfixed_table *rule,
+                          double radius, double *node, double *weight) {
+    size_t n = 0;
+    for (size_t k = 0; k + 1 < table->n; k++) {
+        size_t panels = table_panels(table, k, radius);
+        double span = table->zeta[k + 1] - table->zeta[k];
+        for (size_t i = 0; i < panels; i++) {
+            double a = table->zeta[k] + span * (double)i / (double)panels;
+            double b = table->zeta[k] + span * (double)(i + 1) / (double)panels;
+            for (size_t q = 0; q < NODES; q++, n++) {
+                gsl_integration_glfixed_point(a, b, q, node + n, weight + n, rule);
+                weight[n] *= sqrt(haft_psd_table_value(table, node[n])) * node[n];
+            }
+        }
+    }
+    return n;
+}
+
 static double plateau_share(const haft_psd *psd, double r) {
     double x = psd->zeta_0 * r;
     double shape = x < 1e-8 ? 0.5 : j1(x) / x;
@@ -52,10 +78,14 @@ static double plateau_share(const haft_psd *psd, double r) {
 }
 
 /* Fills table[first..n) with the bare kernel. */
-static haft_status fill_table(const surface_kernel *kernel, const haft_psd *psd, size_t first,
-                              size_t n, haft_error *error) {
+static haft_status fill_table(const surface_kernel *kernel, const surface_radial *radial,
+                              size_t first, size_t n, haft_error *error) {
+    const haft_psd *psd = &radial->psd;
     double span = psd->zeta_max - psd->zeta_0;
     double panels = span * (double)n * kernel->spacing / PANEL_PHASE + 2 * span / psd->zeta_0 + 2;
+    for (size_t k = 0; radial->table != NULL && k + 1 < radial->table->n; k++) {
+        panels += (double)table_panels(radial->table, k, (double)n * kernel->spacing);
+    }
     size_t capacity = (size_t)panels * NODES;
     double *node = haft_memory_alloc(capacity, sizeof *node, error);
     double *weight = haft_memory_alloc(capacity, sizeof *weight, error);
@@ -64,7 +94,10 @@ static haft_status fill_table(const surface_kernel *kernel, const haft_psd *psd,
         node != NULL && weight != NULL && rule != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
     for (size_t start = first; start < n && status == HAFT_OK; start += CHUNK) {
         size_t end = start + CHUNK < n ? start + CHUNK : n;
-        size_t nodes = power_law_nodes(psd, rule, (double)end * kernel->spacing, node, weight);
+        double radius = (double)end * kernel->spacing;
+        size_t nodes = radial->table != NULL
+                           ? table_nodes(radial->table, rule, radius, node, weight)
+                           : power_law_nodes(psd, rule, radius, node, weight);
         for (size_t i = start; i < end; i++) {
             double r = (double)i * kernel->spacing;
             double sum = plateau_share(psd, r);
@@ -85,7 +118,7 @@ static haft_status fill_table(const surface_kernel *kernel, const haft_psd *psd,
 }
 
 /* Lengthens the table to n entries. */
-static haft_status extend_table(surface_kernel *kernel, const haft_psd *psd, size_t n,
+static haft_status extend_table(surface_kernel *kernel, const surface_radial *radial, size_t n,
                                 haft_error *error) {
     double *longer = haft_memory_alloc(n, sizeof *longer, error);
     if (longer == NULL) {
@@ -98,7 +131,7 @@ static haft_status extend_table(surface_kernel *kernel, const haft_psd *psd, siz
     haft_memory_free(kernel->table);
     kernel->table = longer;
     kernel->n = n;
-    return fill_table(kernel, psd, first, n, error);
+    return fill_table(kernel, radial, first, n, error);
 }
 
 static double bump_integral(double a, double b, const gsl_integration_glfixed_table *rule) {
@@ -131,7 +164,8 @@ static void fill_taper(const surface_kernel *kernel, double reach,
 
 /* Share of the kernel's energy that a taper leaves out, by Boole's rule on the table; the whole is
  * known from Parseval: int K^2 = h^2 m0. */
-static double taper_loss(const surface_kernel *kernel, const haft_psd *psd, const double *taper) {
+static double taper_loss(const surface_kernel *kernel, const surface_radial *radial,
+                         const double *taper) {
     static const double weight[4] = {14, 32, 12, 32};
     double sum = 0;
     for (size_t i = 1; i < kernel->n; i++) {
@@ -140,18 +174,18 @@ static double taper_loss(const surface_kernel *kernel, const haft_psd *psd, cons
     }
     double energy = 2 * M_PI * sum * kernel->spacing * kernel->spacing * 2 / 45;
     double h = kernel->lattice_step;
-    return 1 - energy / (h * h * haft_psd_get_moments(psd).m0);
+    return 1 - energy / (h * h * haft_surface_radial_variance(radial));
 }
 
 /* The fewest lattice steps whose loss is within the tolerance, given that `most` are enough. */
-static size_t shortest_halo(const surface_kernel *kernel, const haft_psd *psd, size_t most,
+static size_t shortest_halo(const surface_kernel *kernel, const surface_radial *radial, size_t most,
                             double tolerance, const gsl_integration_glfixed_table *rule,
                             double *taper) {
     size_t least = 0;
     while (most - least > 1) {
         size_t middle = least + (most - least) / 2;
         fill_taper(kernel, (double)middle * kernel->lattice_step, rule, taper);
-        if (taper_loss(kernel, psd, taper) <= tolerance) {
+        if (taper_loss(kernel, radial, taper) <= tolerance) {
             most = middle;
         } else {
             least = middle;
@@ -160,28 +194,28 @@ static size_t shortest_halo(const surface_kernel *kernel, const haft_psd *psd, s
     return most;
 }
 
-static haft_status fit_reach(surface_kernel *kernel, const haft_psd *psd, double tolerance,
+static haft_status fit_reach(surface_kernel *kernel, const surface_radial *radial, double tolerance,
                              const gsl_integration_glfixed_table *rule, haft_error *error) {
     double h = kernel->lattice_step;
     for (double phase = LONGEST_PHASE / 16; phase <= LONGEST_PHASE; phase *= 2) {
-        size_t halo = (size_t)ceil(phase / (psd->zeta_max * h));
+        size_t halo = (size_t)ceil(phase / (radial->psd.zeta_max * h));
         double reach = (double)halo * h;
         size_t n = (size_t)ceil(reach / kernel->spacing) + STENCIL;
-        haft_status status = extend_table(kernel, psd, n, error);
+        haft_status status = extend_table(kernel, radial, n, error);
         double *taper = haft_memory_alloc(n, sizeof *taper, error);
         if (status != HAFT_OK || taper == NULL) {
             haft_memory_free(taper);
             return HAFT_ERROR_MEMORY;
         }
         fill_taper(kernel, reach, rule, taper);
-        kernel->loss = taper_loss(kernel, psd, taper);
+        kernel->loss = taper_loss(kernel, radial, taper);
         bool found = kernel->loss <= tolerance;
         if (found) {
-            kernel->halo = shortest_halo(kernel, psd, halo, tolerance, rule, taper);
+            kernel->halo = shortest_halo(kernel, radial, halo, tolerance, rule, taper);
             kernel->reach = (double)kernel->halo * h;
             kernel->smear = 2 * BETA / ((1 - FLAT_SHARE) * kernel->reach);
             fill_taper(kernel, kernel->reach, rule, taper);
-            kernel->loss = taper_loss(kernel, psd, taper);
+            kernel->loss = taper_loss(kernel, radial, taper);
             for (size_t i = 0; i < n; i++) {
                 kernel->table[i] *= taper[i];
             }
@@ -194,18 +228,19 @@ static haft_status fit_reach(surface_kernel *kernel, const haft_psd *psd, double
     return haft_error_set(error, HAFT_ERROR_INPUT,
                           "tolerance = %g asks for a kernel longer than %g um; the least this PSD "
                           "allows is %.3g",
-                          tolerance, 1e6 * LONGEST_PHASE / psd->zeta_max, 1.01 * kernel->loss);
+                          tolerance, 1e6 * LONGEST_PHASE / radial->psd.zeta_max,
+                          1.01 * kernel->loss);
 }
 
-haft_status haft_surface_kernel_create(surface_kernel *kernel, const haft_psd *psd,
+haft_status haft_surface_kernel_create(surface_kernel *kernel, const surface_radial *radial,
                                        double lattice_step, double tolerance, haft_error *error) {
-    *kernel =
-        (surface_kernel){.lattice_step = lattice_step, .spacing = TABLE_PHASE / psd->zeta_max};
+    *kernel = (surface_kernel){.lattice_step = lattice_step,
+                               .spacing = TABLE_PHASE / radial->psd.zeta_max};
     gsl_integration_glfixed_table *rule = gsl_integration_glfixed_table_alloc(BUMP_NODES);
     if (rule == NULL) {
         return haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for a quadrature rule");
     }
-    haft_status status = fit_reach(kernel, psd, tolerance, rule, error);
+    haft_status status = fit_reach(kernel, radial, tolerance, rule, error);
     gsl_integration_glfixed_table_free(rule);
     if (status != HAFT_OK) {
         haft_surface_kernel_destroy(kernel);

@@ -3,7 +3,7 @@
 #ifndef HAFT_SURFACE_KERNEL_H
 #define HAFT_SURFACE_KERNEL_H
 
-#include "haft/surface.h"
+#include "surface/radial.h"
 
 typedef struct surface_kernel {
     double lattice_step; /* [m] */
@@ -17,7 +17,7 @@ typedef struct surface_kernel {
 } surface_kernel;
 
 /* Builds the kernel with the smallest whole reach whose loss is at most `tolerance`. */
-haft_status haft_surface_kernel_create(surface_kernel *kernel, const haft_psd *psd,
+haft_status haft_surface_kernel_create(surface_kernel *kernel, const surface_radial *radial,
                                        double lattice_step, double tolerance, haft_error *error);
 void haft_surface_kernel_destroy(surface_kernel *kernel);
 

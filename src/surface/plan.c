@@ -7,6 +7,7 @@
 #include "surface/plan.h"
 
 #include "surface/kernel.h"
+#include "surface/marginal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -89,7 +90,8 @@ static haft_status check_grid(const haft_surface_spec *spec, haft_error *error) 
 }
 
 static haft_status check_spec(const haft_surface_spec *spec, haft_error *error) {
-    haft_status status = haft_psd_check(&spec->psd, error);
+    haft_status status = spec->table != NULL ? haft_psd_table_check(spec->table, error)
+                                             : haft_psd_check(&spec->psd, error);
     if (status == HAFT_OK) {
         status = check_grid(spec, error);
     }
@@ -297,13 +299,30 @@ static void fill_facts(haft_surface_plan *plan, const surface_kernel *kernel) {
     facts->leak = leak / facts->moments.m0;
 }
 
-static haft_status build_plan(haft_surface_plan *plan, haft_error *error) {
+/* With a marginal, the PSD of its underlying Gaussian surface, kept in *corrected. */
+static haft_status choose_radial(surface_radial *radial, haft_psd_table **corrected,
+                                 haft_surface_plan *plan, haft_error *error) {
+    *radial = haft_surface_radial(&plan->spec.psd, plan->spec.table);
+    *corrected = NULL;
+    haft_status status = HAFT_OK;
+    if (plan->spec.marginal != NULL) {
+        status =
+            haft_surface_translate(corrected, radial, plan->spec.marginal, &plan->facts, error);
+    }
+    if (*corrected != NULL) {
+        *radial = haft_surface_radial(&plan->spec.psd, *corrected);
+    }
+    return status;
+}
+
+static haft_status build_plan(haft_surface_plan *plan, const surface_radial *radial,
+                              haft_error *error) {
     const haft_surface_spec *spec = &plan->spec;
     plan->ratio = haft_surface_lattice_ratio(&spec->psd, spec->grid_step);
     double tolerance = spec->tolerance == 0 ? DEFAULT_TOLERANCE : spec->tolerance;
     surface_kernel kernel;
     haft_status status = haft_surface_kernel_create(
-        &kernel, &spec->psd, (double)plan->ratio * spec->grid_step, tolerance, error);
+        &kernel, radial, (double)plan->ratio * spec->grid_step, tolerance, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -319,6 +338,7 @@ static haft_status build_plan(haft_surface_plan *plan, haft_error *error) {
     }
     if (status == HAFT_OK) {
         fill_facts(plan, &kernel);
+        plan->scale_in = 1 / sqrt(plan->facts.moments.m0);
     }
     haft_surface_kernel_destroy(&kernel);
     return status;
@@ -327,16 +347,28 @@ static haft_status build_plan(haft_surface_plan *plan, haft_error *error) {
 haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface_spec *spec,
                                      haft_error *error) {
     *out = NULL;
-    haft_status status = check_spec(spec, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
     haft_surface_plan *plan = haft_memory_alloc(1, sizeof *plan, error);
     if (plan == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     plan->spec = *spec;
-    status = build_plan(plan, error);
+    if (spec->marginal != NULL && haft_marginal_is_normal(spec->marginal)) {
+        plan->spec.marginal = NULL;
+    }
+    if (spec->table != NULL && spec->table->n > 0) {
+        plan->spec.psd = haft_surface_radial(&spec->psd, spec->table).psd;
+    }
+    surface_radial radial;
+    haft_psd_table *corrected = NULL;
+    haft_status status = check_spec(&plan->spec, error);
+    if (status == HAFT_OK) {
+        status = choose_radial(&radial, &corrected, plan, error);
+    }
+    if (status == HAFT_OK) {
+        status = build_plan(plan, &radial, error);
+    }
+    haft_psd_table_destroy(&corrected);
+    plan->spec.table = NULL; /* the caller's, no longer needed */
     if (status != HAFT_OK) {
         haft_surface_plan_destroy(&plan);
     }
@@ -384,6 +416,10 @@ double haft_surface_covariance(const haft_surface_plan *plan, long i, long j) {
         }
         size_t turn = n * lag_j % plan->across.fine;
         sum += line * cos(2 * M_PI * (double)turn / (double)plan->across.fine);
+    }
+    if (plan->spec.marginal != NULL) {
+        double deviation = plan->facts.deviation, rho = sum / plan->facts.moments.m0;
+        return deviation * deviation * haft_marginal_correlation(plan->spec.marginal, rho);
     }
     return sum;
 }

@@ -25,6 +25,7 @@ struct haft_surface_plan {
     double *transform; /* [across.cut + 1][along.cut + 1], kernel's transform over fine points */
     size_t *disc;      /* [across.cut + 1], highest wave number along the beam inside the disc */
     haft_surface_facts facts;
+    double scale_in; /* with a marginal, what makes the generated field g */
     /* Executed on each work's own arrays, which FFTW allows from several threads. */
     fftw_plan row_forward, column_forward, column_inverse, row_inverse;
 };

@@ -66,7 +66,7 @@ static void wrong_usage_is_told(void **state) {
     check_refused(&c, 2, HAFT, ARGS("fly", p),
                   SAYS("\"fly\"", "try check, run, resume, plot, info, report, budget or compare"));
     check_refused(&c, 2, HAFT_LAWS, ARGS("fly", p),
-                  SAYS("\"fly\"", "try build, info, sample or fit"));
+                  SAYS("\"fly\"", "try build, info, study, sample, fit or inspect"));
     check_refused(&c, 2, HAFT, ARGS("run"), SAYS("a command and a case are needed", "haft run"));
     check_refused(&c, 2, HAFT, ARGS("run", p, "x"), SAYS("\"x\" is too much"));
     check_refused(&c, 2, HAFT, ARGS("run", p, "--fast"), SAYS("--fast", "--help"));

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/** @file surface_map.h
+ *  Measured height maps: levelling, masking, statistics, and their power spectral density.
+ *
+ *  Row i runs along y and column j along x; a missing pixel is NAN. The convention for spectra is
+ *  that of surface.h: the variance is the integral of s over the plane of wave vectors. */
+#ifndef HAFT_SURFACE_MAP_H
+#define HAFT_SURFACE_MAP_H
+
+#include "haft/surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { HAFT_CHANNEL_CAPACITY = 64 };
+
+/** Heights on a rectangular grid. Owned by whoever made it. */
+typedef struct haft_map {
+    size_t rows, columns;                /**< at least 2 each */
+    double step_row, step_column;        /**< pixel along y and along x [m] */
+    double *z;                           /**< rows x columns [m], NAN where missing */
+    char channel[HAFT_CHANNEL_CAPACITY]; /**< what the file calls it */
+    char format[HAFT_CHANNEL_CAPACITY];  /**< what kind of file it came from */
+} haft_map;
+
+/** Heights zero. @return HAFT_ERROR_INPUT for fewer than 2 or more than 2^15 pixels a side, or a
+ *  pixel that is not positive. */
+haft_status haft_map_create(haft_map **out, size_t rows, size_t columns, double step_row,
+                            double step_column, haft_error *error) HAFT_MUST_CHECK;
+haft_status haft_map_copy(haft_map **out, const haft_map *map, haft_error *error) HAFT_MUST_CHECK;
+void haft_map_destroy(haft_map **map);
+
+/** What is taken off a map before anything is read from it, by least squares over its pixels. */
+typedef enum haft_level {
+    HAFT_LEVEL_MEAN,      /**< its mean */
+    HAFT_LEVEL_PLANE,     /**< a plane */
+    HAFT_LEVEL_QUADRATIC, /**< 1, x, y, x^2, xy, y^2 */
+    HAFT_LEVEL_LINES,     /**< a plane, then each scan line's own mean and slope */
+} haft_level;
+
+/** What becomes of missing pixels. */
+typedef enum haft_missing {
+    HAFT_MISSING_EXCLUDE, /**< they weigh nothing: left out of sums, zero in the window */
+    HAFT_MISSING_FILL,    /**< the harmonic surface through their border, sum of neighbours = 4 z */
+} haft_missing;
+
+typedef enum haft_window {
+    HAFT_WINDOW_NONE,
+    HAFT_WINDOW_HANN,     /**< sin^2(pi t), t from 0 to 1 over the side, pixel centres */
+    HAFT_WINDOW_WELCH,    /**< 1 - (2t - 1)^2 */
+    HAFT_WINDOW_BLACKMAN, /**< 0.42 - 0.5 cos(2 pi t) + 0.08 cos(4 pi t) */
+    HAFT_WINDOW_TUKEY,    /**< flat, with sin^2 flanks of an eighth of the side */
+} haft_window;
+
+/** Levels a map in place. @return HAFT_ERROR_INPUT if too few pixels are left to tell the terms.
+ *  Thread-safe for distinct maps. */
+haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) HAFT_MUST_CHECK;
+
+/** Marks as missing what lies further than `limit` times 1.4826 MAD from the median (MAD: median
+ *  absolute deviation; for normal heights, `limit` standard deviations).
+ *  @return HAFT_ERROR_INPUT if more than half of the pixels go or the MAD is 0. */
+haft_status haft_map_mask(haft_map *map, double limit, size_t *masked,
+                          haft_error *error) HAFT_MUST_CHECK;
+
+/** Fills missing pixels by the discrete harmonic surface, to 1e-10 of the range (conjugate
+ *  gradients). */
+haft_status haft_map_fill(haft_map *map, haft_error *error) HAFT_MUST_CHECK;
+
+typedef struct haft_clean_spec {
+    haft_level level;
+    double outlier_limit; /**< see haft_map_mask(); 0: none are masked */
+    haft_missing missing;
+} haft_clean_spec;
+
+typedef struct haft_clean_facts {
+    size_t missing, masked; /**< pixels that the file lacked, and that were masked as outliers */
+} haft_clean_facts;
+
+/** Levels, masks, levels again without what was masked, fills if asked. @param[out] facts may be
+ *  NULL. */
+haft_status haft_map_clean(haft_map *map, const haft_clean_spec *spec, haft_clean_facts *facts,
+                           haft_error *error) HAFT_MUST_CHECK;
+
+/** Moments of heights over the pixels that are there, about their mean. */
+typedef struct haft_map_statistics {
+    size_t pixels, missing;
+    double mean, rms;                /**< [m] */
+    double skewness, kurtosis;       /**< m3/m2^1.5 and m4/m2^2 (3 if normal) */
+    double least, greatest;          /**< [m] */
+    double slope_x, slope_y;         /**< variance of central-difference slopes along x and y */
+    double curvature_x, curvature_y; /**< variance of second differences [1/m^2] */
+    haft_psd_moments moments;  /**< m0, and the means of x and y by differences; NAN without three
+                                    pixels in a row */
+    double correlation_length; /**< where the radial autocorrelation falls to 1/e [m]; NAN if it
+                                    does not within half the shorter side */
+} haft_map_statistics;
+
+/** Two-pass sums; the autocorrelation by FFT of the zero-padded map, each lag divided by its pairs.
+ *  @return HAFT_ERROR_INPUT for fewer than 4 pixels or no variance. Not thread-safe (FFTW). */
+haft_status haft_map_get_statistics(haft_map_statistics *out, const haft_map *map,
+                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** Two-dimensional estimate S(m, n) = dx dy / (4 pi^2 sum w^2) |DFT(w (z - mean_w))|^2 at wave
+ *  vector (2 pi m / (rows step_row), 2 pi n / (columns step_column)), which sums to
+ *  sum w^2 (z - mean_w)^2 / sum w^2 times the cell of wave vectors: the variance. mean_w is the
+ * mean weighted by w. A missing pixel has w = 0.
+ *  @param[out] s rows x columns [m^4], in the order of the transform
+ *  Source: Hoang et al. (2017), Eq. 9, in the convention of surface.h. Not thread-safe (FFTW). */
+haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window,
+                              haft_error *error) HAFT_MUST_CHECK;
+
+/** Radial PSD of n maps of one surface, cleaned. Rings are as wide as the coarsest mode and from
+ *  where that is finer, a fortieth of a decade (by which a fifth power is off by 0.5 %); a ring's s
+ * is the mean of all modes inside, of all maps up to each one's own shorter Nyquist wave number,
+ * less what a ring's width adds to it by the PSD's bend. Its count is half the modes (they are real
+ * fields' conjugate pairs) over N sum w^4 / (sum w^2)^2, by which the window makes neighbours
+ * depend on each other.
+ *  @param[in] window applied to each map
+ *  @return HAFT_ERROR_INPUT for no maps or a map without variance. Not thread-safe (FFTW). */
+haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *const *maps,
+                              haft_window window, haft_error *error) HAFT_MUST_CHECK;
+
+/** Drops what lies beyond zeta_max (which becomes the last point's, interpolated).
+ *  @return HAFT_ERROR_INPUT if fewer than two points are left. */
+haft_status haft_psd_table_cut(haft_psd_table *table, double zeta_max,
+                               haft_error *error) HAFT_MUST_CHECK;
+
+/** The highest wave number a tip of this radius can be trusted with: up to it, waves have a mean
+ *  curvature of rms 1/radius, sqrt(2 pi int s (k^2/2)^2 k dk); INFINITY if they never have.
+ *  After Sanner, Noehring, Thimons, Jacobs and Pastewka (2022), who compare a scale's curvature
+ * with the tip's. */
+double haft_psd_tip_limit(const haft_psd_table *table, double radius);
+
+/** PSD of the gap between two faces, s1 + s2 + 2 coherence sqrt(s1 s2), heights being counted out
+ * of either body: coherence 0 for independent faces (Hoang et al. 2017, Eq. 11), -1 for faces that
+ *  mate, 1 for mirror images. On the points of both where both reach.
+ *  @param[in] coherence -1 to 1 */
+haft_status haft_psd_combine(haft_psd_table **out, const haft_psd_table *first,
+                             const haft_psd_table *second, double coherence,
+                             haft_error *error) HAFT_MUST_CHECK;
+
+/** A self-affine PSD fitted to a table. */
+typedef struct haft_psd_fit {
+    haft_psd psd;
+    double hurst;           /**< s ~ zeta^-(2 + 2 H) beyond the roll-off */
+    double low[3], high[3]; /**< 95 % intervals of s_0 [m^4], zeta_0 [rad/m] and H */
+    double misfit;          /**< chi^2 a degree of freedom */
+} haft_psd_fit;
+
+/** Least squares of log s with the weights of the counts: log of a mean of N exponential numbers
+ * has variance psi'(N) and bias psi(N) - log N, which is taken off. For a roll-off the best line is
+ * a closed form, so one number is searched for: on a grid, then by golden section. Intervals by
+ *  Student's t from the normal equations, widened by the misfit where that exceeds 1.
+ *  @return HAFT_ERROR_INPUT for fewer than 6 points, or HAFT_ERROR_NUMERIC if no roll-off is inside
+ *  the table or the PSD rises. */
+haft_status haft_psd_fit_self_affine(haft_psd_fit *out, const haft_psd_table *table,
+                                     haft_error *error) HAFT_MUST_CHECK;
+
+/** Patches laid out of windows of measured maps, side by side: the surface as it was measured, to
+ * judge a generator by. Each window is of a map, a place in it and a mirror image drawn at random
+ * (a bootstrap of the maps); windows are at most half as long as the smallest map, so that they
+ * vary. Heights jump where windows meet: what reaches over such a seam (an island, a slope) is cut
+ * there. Maps are brought to the grid by natural cubic splines along x, then y. Read-only once
+ * made. */
+typedef struct haft_tiling haft_tiling;
+
+typedef struct haft_tiling_spec {
+    size_t n; /**< maps of the face, cleaned, without missing pixels */
+    const haft_map *const *maps;
+    size_t opposite_n; /**< of the other face, 0: it is flat; the heights of both are added */
+    const haft_map *const *opposite;
+    double grid_step;     /**< [m] */
+    size_t rows, columns; /**< of a patch, grid points */
+    uint64_t seed;
+} haft_tiling_spec;
+
+/** @return HAFT_ERROR_INPUT for no maps, missing pixels, or a map of fewer than 4 grid points a
+ * side. */
+haft_status haft_tiling_create(haft_tiling **out, const haft_tiling_spec *spec,
+                               haft_error *error) HAFT_MUST_CHECK;
+void haft_tiling_destroy(haft_tiling **tiling);
+
+/** The patch numbered (realization, stream): z[rows][columns] [m]. Thread-safe. */
+void haft_tiling_fill(const haft_tiling *tiling, uint64_t realization, uint64_t stream, double *z);
+
+/** How many windows a patch has along rows and columns. */
+void haft_tiling_count(const haft_tiling *tiling, size_t count[2]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

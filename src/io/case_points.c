@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two columns of a CSV file that a case names: the first line gives the columns' names and units,
+ * other columns are passed over. And the water film, which is given so. */
+#include "case.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { POINTS_MOST = 4096, LINE_CAPACITY = 1024, BYTES_MOST = 1 << 22 };
+
+static bool find_columns(const char *line, const char *const names[2], size_t place[2]) {
+    bool found[2] = {false, false};
+    size_t column = 0;
+    for (const char *at = line; *at != '\0'; column++) {
+        size_t n = strcspn(at, ",\r\n");
+        for (int k = 0; k < 2; k++) {
+            if (n == strlen(names[k]) && strncmp(at, names[k], n) == 0) {
+                place[k] = column;
+                found[k] = true;
+            }
+        }
+        at += n;
+        at += *at == ',' ? 1 : strlen(at);
+    }
+    return found[0] && found[1];
+}
+
+static bool find_number(const char *line, size_t place, double *value) {
+    for (size_t k = 0; k < place; k++) {
+        line = strchr(line, ',');
+        if (line == NULL) {
+            return false;
+        }
+        line++;
+    }
+    char *end = NULL;
+    *value = strtod(line, &end);
+    return end != line && strchr(", \t\r\n", *end) != NULL && isfinite(*value);
+}
+
+static haft_status read_lines(double *points, size_t *n, FILE *stream, const char *path,
+                              const char *const names[2], const double factors[2],
+                              haft_error *error) {
+    char line[LINE_CAPACITY];
+    size_t place[2] = {0, 0}, number = 1;
+    if (fgets(line, sizeof line, stream) == NULL || !find_columns(line, names, place)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:1: the first line must name the columns, as in \"%s,%s\"", path,
+                              names[0], names[1]);
+    }
+    while (fgets(line, sizeof line, stream) != NULL) {
+        number++;
+        if (line[strspn(line, " \t\r\n")] == '\0') {
+            continue;
+        }
+        double value[2];
+        for (int k = 0; k < 2; k++) {
+            if (!find_number(line, place[k], &value[k])) {
+                return haft_error_set(error, HAFT_ERROR_INPUT,
+                                      "%s:%zu: has no finite number under \"%s\"", path, number,
+                                      names[k]);
+            }
+        }
+        if (*n == POINTS_MOST) {
+            return haft_error_set(error, HAFT_ERROR_INPUT, "%s: has more than %d points", path,
+                                  POINTS_MOST);
+        }
+        points[2 * *n] = value[0] * factors[0];
+        points[2 * *n + 1] = value[1] * factors[1];
+        ++*n;
+    }
+    return HAFT_OK;
+}
+
+/* The file's bytes are read and digested first, and the lines taken from those. */
+haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *files,
+                                  const char *const names[2], const double factors[2],
+                                  haft_error *error) {
+    const char *path = files->path[0];
+    *n = 0;
+    *points = haft_memory_alloc(POINTS_MOST, 2 * sizeof **points, error);
+    char *bytes = haft_memory_alloc(BYTES_MOST, 1, error);
+    FILE *stream = fopen(path, "rb");
+    haft_status status = *points == NULL || bytes == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    if (status == HAFT_OK && stream == NULL) {
+        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read", path);
+    }
+    size_t size = status == HAFT_OK ? fread(bytes, 1, BYTES_MOST, stream) : 0;
+    if (stream != NULL) {
+        fclose(stream);
+    }
+    if (status == HAFT_OK && (size == 0 || size == BYTES_MOST)) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: %s", path,
+                                size == 0 ? "is empty" : "is longer than 4 MiB");
+    }
+    stream = status == HAFT_OK ? fmemopen(bytes, size, "r") : NULL;
+    if (stream != NULL) {
+        haft_digest_memory(bytes, size, files->digest[0]);
+        status = read_lines(*points, n, stream, path, names, factors, error);
+        fclose(stream);
+    }
+    haft_memory_free(bytes);
+    return status;
+}
+
+void haft_case_load_film(haft_case_reader *reader) {
+    static const char *const names[] = {"humidity [%]", "thickness [nm]"};
+    static const double factors[] = {1e-2, 1e-9};
+    haft_case *c = reader->c;
+    int table = haft_case_find_key("contact.capillary.adsorbed_table");
+    int kind = haft_case_find_key("contact.capillary.adsorbed");
+    bool given = reader->state[table] == HAFT_GOOD;
+    if (!haft_case_is_sound(reader, haft_case_keys[kind].path)) {
+        return;
+    }
+    if (given != (c->contact.adsorbed == HAFT_ADSORBED_TABLE)) {
+        haft_case_complain(reader, reader->mark[given ? table : kind],
+                           haft_case_keys[given ? table : kind].path,
+                           given ? "needs adsorbed: table beside it"
+                                 : "table needs adsorbed_table: film.csv beside it");
+        return;
+    }
+    if (!given) {
+        return;
+    }
+    haft_error error = {0};
+    size_t n = 0;
+    double *points = NULL;
+    haft_status status =
+        haft_case_read_points(&points, &n, &c->contact.adsorbed_file, names, factors, &error);
+    double *data = status == HAFT_OK ? haft_memory_alloc(2 * n + 1, sizeof *data, &error) : NULL;
+    if (data != NULL) {
+        for (size_t i = 0; i < n; i++) {
+            data[i] = points[2 * i];
+            data[n + i] = points[2 * i + 1];
+        }
+        c->contact.film_data = data;
+        c->contact.film = (haft_adsorption){n, data, data + n};
+        status = haft_adsorption_check(&c->contact.film, &error);
+    }
+    haft_memory_free(points);
+    if (status != HAFT_OK || data == NULL) {
+        haft_case_complain(reader, reader->mark[table], haft_case_keys[table].path, "%.400s",
+                           error.message);
+    }
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A height map's file in memory, and what its readers share. Private to this room. */
+#ifndef HAFT_IO_MAP_FILE_H
+#define HAFT_IO_MAP_FILE_H
+
+#include "haft/io.h"
+
+typedef struct haft_map_file {
+    const char *path;
+    const char *bytes; /* a 0 follows them */
+    size_t size;
+    haft_map_options options; /* channel never NULL */
+} haft_map_file;
+
+/* Each reads one kind of file, whose beginning has been recognised. */
+haft_status haft_map_read_nanoscope(haft_map **out, const haft_map_file *file, haft_error *error);
+haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_error *error);
+haft_status haft_map_read_text(haft_map **out, const haft_map_file *file, haft_error *error);
+haft_status haft_map_read_hdf(haft_map **out, const haft_map_file *file, haft_error *error);
+
+/* What `number unit` is in metres; instruments' spellings ("~m", a Latin-1 micro sign) are known.
+ * False if it is no length. */
+bool haft_map_length(double number, const char *unit, double *value);
+
+/* The first `n` bytes of a line that are text, for messages: at most 40, control characters as '?'.
+ */
+const char *haft_map_quote(char quoted[48], const char *text, size_t n);
+
+/* Makes the map of a matrix whose file says width, height or unit by a positive number and leaves
+ * them to the options by 0; complains of what neither has. Heights in `unit`s are scaled. */
+haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
+                                 size_t columns, double width, double height, double unit,
+                                 const double *z, haft_error *error);
+
+/* Names for the user: "Height", "Height Sensor" ... of a list, cut where it gets long. */
+void haft_map_name(char *destination, const char *text, size_t n);
+
+#endif

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is done to a map before it is believed: levelling by least squares (normal equations of
+ * monomials in coordinates from -1 to 1, solved by Cholesky), masking of particles by a robust
+ * threshold, and filling of holes by the harmonic surface (conjugate gradients on the missing
+ * pixels alone; the map's edge reflects). */
+#include "haft/surface_map.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TERMS_MOST = 6 };
+
+static void fill_terms(double x, double y, double term[TERMS_MOST]) {
+    term[0] = 1;
+    term[1] = x;
+    term[2] = y;
+    term[3] = x * x;
+    term[4] = x * y;
+    term[5] = y * y;
+}
+
+/* Solves the normal equations in place by Cholesky; false if the pixels do not tell the terms. */
+static bool solve(double *a, double *b, size_t terms) {
+    for (size_t k = 0; k < terms; k++) {
+        double *row = a + k * TERMS_MOST, whole = row[k];
+        for (size_t l = 0; l < k; l++) {
+            const double *other = a + l * TERMS_MOST;
+            for (size_t m = 0; m < l; m++) {
+                row[l] -= row[m] * other[m];
+            }
+            row[l] /= other[l];
+            row[k] -= row[l] * row[l];
+            b[k] -= row[l] * b[l];
+        }
+        if (!(row[k] > 1e-12 * whole)) {
+            return false;
+        }
+        row[k] = sqrt(row[k]);
+        b[k] /= row[k];
+    }
+    for (size_t k = terms; k-- > 0;) {
+        for (size_t l = k + 1; l < terms; l++) {
+            b[k] -= a[l * TERMS_MOST + k] * b[l];
+        }
+        b[k] /= a[k * TERMS_MOST + k];
+    }
+    return true;
+}
+
+static double coordinate(size_t i, size_t n) {
+    return (2.0 * (double)i - (double)(n - 1)) / (double)(n - 1);
+}
+
+/* Takes the best combination of the first `terms` monomials off rows [first, end). */
+static haft_status take_off(haft_map *map, size_t first, size_t end, size_t terms,
+                            haft_error *error) {
+    double matrix[TERMS_MOST * TERMS_MOST] = {0}, right[TERMS_MOST] = {0}, term[TERMS_MOST];
+    for (size_t i = first; i < end; i++) {
+        for (size_t j = 0; j < map->columns; j++) {
+            double z = map->z[i * map->columns + j];
+            if (isnan(z)) {
+                continue;
+            }
+            fill_terms(coordinate(j, map->columns), coordinate(i, map->rows), term);
+            for (size_t k = 0; k < terms; k++) {
+                right[k] += term[k] * z;
+                for (size_t l = 0; l <= k; l++) {
+                    matrix[k * TERMS_MOST + l] += term[k] * term[l];
+                }
+            }
+        }
+    }
+    if (!solve(matrix, right, terms)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "rows %zu to %zu of the map have too few pixels for a level of %zu "
+                              "terms; level it by less",
+                              first, end - 1, terms);
+    }
+    for (size_t i = first; i < end; i++) {
+        for (size_t j = 0; j < map->columns; j++) {
+            fill_terms(coordinate(j, map->columns), coordinate(i, map->rows), term);
+            for (size_t k = 0; k < terms; k++) {
+                map->z[i * map->columns + j] -= right[k] * term[k];
+            }
+        }
+    }
+    return HAFT_OK;
+}
+
+haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) {
+    static const size_t terms[] = {1, 3, 6, 3};
+    haft_status status = take_off(map, 0, map->rows, terms[level], error);
+    for (size_t i = 0; level == HAFT_LEVEL_LINES && status == HAFT_OK && i < map->rows; i++) {
+        status = take_off(map, i, i + 1, 2, error);
+    }
+    return status;
+}
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median_of(double *value, size_t n) {
+    qsort(value, n, sizeof *value, compare);
+    return n % 2 == 1 ? value[n / 2] : 0.5 * (value[n / 2 - 1] + value[n / 2]);
+}
+
+haft_status haft_map_mask(haft_map *map, double limit, size_t *masked, haft_error *error) {
+    size_t all = map->rows * map->columns, n = 0;
+    *masked = 0;
+    double *value = haft_memory_alloc(all, sizeof *value, error);
+    if (value == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < all; i++) {
+        value[n] = map->z[i];
+        n += !isnan(map->z[i]);
+    }
+    double median = n > 0 ? median_of(value, n) : 0;
+    for (size_t i = 0; i < n; i++) {
+        value[i] = fabs(value[i] - median);
+    }
+    double deviation = n > 0 ? 1.4826 * median_of(value, n) : 0;
+    haft_memory_free(value);
+    if (!(deviation > 0) || !(limit > 0)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "outliers cannot be told: half of the map's pixels or more have the "
+                              "same height; leave the outlier limit out");
+    }
+    for (size_t i = 0; i < all; i++) {
+        if (fabs(map->z[i] - median) > limit * deviation) {
+            map->z[i] = NAN;
+            ++*masked;
+        }
+    }
+    if (2 * *masked > n) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "an outlier limit of %g masks %zu of %zu pixels; give a higher one",
+                              limit, *masked, n);
+    }
+    return HAFT_OK;
+}
+
+/* ---- filling ---- */
+
+/* The missing pixels and what their neighbours are: a place among the missing, or -1. */
+typedef struct hole {
+    size_t n;
+    size_t *pixel;
+    int32_t *place; /* of every pixel, -1 for one that is there */
+} hole;
+
+/* Pixel next to `pixel` in direction 0 to 3, itself at the map's edge. */
+static size_t neighbour(const haft_map *map, size_t pixel, int direction) {
+    size_t i = pixel / map->columns, j = pixel % map->columns;
+    switch (direction) {
+    case 0:
+        return i > 0 ? pixel - map->columns : pixel;
+    case 1:
+        return i + 1 < map->rows ? pixel + map->columns : pixel;
+    case 2:
+        return j > 0 ? pixel - 1 : pixel;
+    default:
+        return j + 1 < map->columns ? pixel + 1 : pixel;
+    }
+}
+
+/* out = L x for the missing pixels: sum of (x - x of each missing neighbour). */
+static void apply(const haft_map *map, const hole *h, const double *x, double *out) {
+    for (size_t k = 0; k < h->n; k++) {
+        double sum = 0;
+        for (int d = 0; d < 4; d++) {
+            size_t other = neighbour(map, h->pixel[k], d);
+            int32_t place = h->place[other];
+            sum += x[k] - (place >= 0 ? x[place] : 0);
+        }
+        out[k] = sum;
+    }
+}
+
+static double dot(const double *a, const double *b, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+/* Conjugate gradients from x = 0 with residual r = b; the steps' count is bounded by twice n. */
+static bool relax(const haft_map *map, const hole *h, double *x, double *r, double *p, double *q) {
+    double start = dot(r, r, h->n), rho = start;
+    memcpy(p, r, h->n * sizeof *p);
+    for (size_t step = 0; step < 2 * h->n + 10 && rho > 1e-24 * start; step++) {
+        apply(map, h, p, q);
+        double alpha = rho / dot(p, q, h->n);
+        for (size_t k = 0; k < h->n; k++) {
+            x[k] += alpha * p[k];
+            r[k] -= alpha * q[k];
+        }
+        double next = dot(r, r, h->n);
+        for (size_t k = 0; k < h->n; k++) {
+            p[k] = r[k] + next / rho * p[k];
+        }
+        rho = next;
+    }
+    return rho <= 1e-20 * start;
+}
+
+static haft_status fill_hole(haft_map *map, hole *h, double *work, haft_error *error) {
+    double *x = work, *r = x + h->n, *p = r + h->n, *q = p + h->n;
+    bool border = false;
+    for (size_t k = 0; k < h->n; k++) {
+        for (int d = 0; d < 4; d++) {
+            size_t other = neighbour(map, h->pixel[k], d);
+            if (h->place[other] < 0) {
+                r[k] += map->z[other];
+                border = true;
+            }
+        }
+    }
+    if (!border) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "the map has no pixel to fill others from");
+    }
+    if (!relax(map, h, x, r, p, q)) {
+        return haft_error_set(error, HAFT_ERROR_NUMERIC,
+                              "the harmonic surface through %zu missing pixels did not converge",
+                              h->n);
+    }
+    for (size_t k = 0; k < h->n; k++) {
+        map->z[h->pixel[k]] = x[k];
+    }
+    return HAFT_OK;
+}
+
+haft_status haft_map_fill(haft_map *map, haft_error *error) {
+    size_t all = map->rows * map->columns;
+    hole h = {.n = 0};
+    for (size_t i = 0; i < all; i++) {
+        h.n += isnan(map->z[i]) != 0;
+    }
+    if (h.n == 0) {
+        return HAFT_OK;
+    }
+    h.pixel = haft_memory_alloc(h.n, sizeof *h.pixel, error);
+    h.place = haft_memory_alloc(all, sizeof *h.place, error);
+    double *work = haft_memory_alloc(h.n, 4 * sizeof *work, error);
+    haft_status status = HAFT_ERROR_MEMORY;
+    if (h.pixel != NULL && h.place != NULL && work != NULL) {
+        size_t k = 0;
+        for (size_t i = 0; i < all; i++) {
+            bool missing = isnan(map->z[i]);
+            h.place[i] = missing ? (int32_t)k : -1;
+            if (missing) {
+                h.pixel[k++] = i;
+            }
+        }
+        status = fill_hole(map, &h, work, error);
+    }
+    haft_memory_free(h.pixel);
+    haft_memory_free(h.place);
+    haft_memory_free(work);
+    return status;
+}
+
+haft_status haft_map_clean(haft_map *map, const haft_clean_spec *spec, haft_clean_facts *facts,
+                           haft_error *error) {
+    haft_clean_facts found = {0};
+    for (size_t i = 0; i < map->rows * map->columns; i++) {
+        found.missing += isnan(map->z[i]) != 0;
+    }
+    haft_status status = haft_map_level(map, spec->level, error);
+    if (status == HAFT_OK && spec->outlier_limit > 0) {
+        status = haft_map_mask(map, spec->outlier_limit, &found.masked, error);
+        if (status == HAFT_OK) {
+            status = haft_map_level(map, spec->level, error);
+        }
+    }
+    if (status == HAFT_OK && spec->missing == HAFT_MISSING_FILL) {
+        status = haft_map_fill(map, error);
+    }
+    if (facts != NULL) {
+        *facts = found;
+    }
+    return status;
+}

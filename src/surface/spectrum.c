@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From maps to spectra: windowed periodogram, normalised so that it sums to the windowed variance,
+ * and its mean over rings. A window widens every line over a few modes; a trend left in, whose
+ * lines fall off as slowly as 1/k^2 along the axes, is not mended by it but by levelling. */
+#include "haft/surface_map.h"
+
+#include <complex.h>
+#include <fftw3.h>
+#include <math.h>
+#include <string.h>
+
+static const double TUKEY_FLANK = 0.125;
+static const double RING_RATIO = 1.0592537251772889; /* 10^(1/40) */
+
+/* The window over one side, at pixel i's centre. */
+static double window_value(haft_window window, size_t i, size_t n) {
+    double t = ((double)i + 0.5) / (double)n;
+    double flank = fmin(t, 1 - t) / TUKEY_FLANK;
+    switch (window) {
+    case HAFT_WINDOW_HANN:
+        return pow(sin(M_PI * t), 2);
+    case HAFT_WINDOW_WELCH:
+        return 1 - pow(2 * t - 1, 2);
+    case HAFT_WINDOW_BLACKMAN:
+        return 0.42 - 0.5 * cos(2 * M_PI * t) + 0.08 * cos(4 * M_PI * t);
+    case HAFT_WINDOW_TUKEY:
+        return flank >= 1 ? 1 : pow(sin(0.5 * M_PI * flank), 2);
+    default:
+        return 1;
+    }
+}
+
+typedef struct weights {
+    double square;     /* sum w^2 */
+    double dependence; /* N sum w^4 / (sum w^2)^2 */
+} weights;
+
+/* w (z - mean_w) into `field`. */
+static haft_status weigh(double *field, weights *sums, const haft_map *map, haft_window window,
+                         haft_error *error) {
+    size_t rows = map->rows, columns = map->columns;
+    double *along = haft_memory_alloc(columns, sizeof *along, error);
+    if (along == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    for (size_t j = 0; j < columns; j++) {
+        along[j] = window_value(window, j, columns);
+    }
+    double sum = 0, total = 0, fourth = 0;
+    *sums = (weights){.square = 0};
+    for (size_t i = 0; i < rows; i++) {
+        double across = window_value(window, i, rows);
+        for (size_t j = 0; j < columns; j++) {
+            double z = map->z[i * columns + j], w = isnan(z) ? 0 : across * along[j];
+            double square = w * w;
+            sum += w;
+            total += isnan(z) ? 0 : w * z;
+            sums->square += square;
+            fourth += square * square;
+        }
+    }
+    double mean = total / sum;
+    for (size_t i = 0; i < rows; i++) {
+        double across = window_value(window, i, rows);
+        for (size_t j = 0; j < columns; j++) {
+            double z = map->z[i * columns + j];
+            field[i * columns + j] = isnan(z) ? 0 : across * along[j] * (z - mean);
+        }
+    }
+    haft_memory_free(along);
+    sums->dependence = (double)(rows * columns) * fourth / (sums->square * sums->square);
+    return sums->square > 0 ? HAFT_OK
+                            : haft_error_set(error, HAFT_ERROR_INPUT, "the map has no pixel");
+}
+
+/* The half spectrum [rows][columns/2 + 1] of the windowed map, scaled. */
+static haft_status half_spectrum(double **out, weights *sums, const haft_map *map,
+                                 haft_window window, haft_error *error) {
+    size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
+    double *field = haft_memory_alloc(rows * columns, sizeof *field, error);
+    fftw_complex *line = haft_memory_alloc(rows * half, sizeof *line, error);
+    *out = haft_memory_alloc(rows * half, sizeof **out, error);
+    haft_status status = field && line && *out ? HAFT_OK : HAFT_ERROR_MEMORY;
+    if (status == HAFT_OK) {
+        status = weigh(field, sums, map, window, error);
+    }
+    fftw_plan plan = NULL;
+    if (status == HAFT_OK) {
+        plan = fftw_plan_dft_r2c_2d((int)rows, (int)columns, field, line, FFTW_ESTIMATE);
+        status = plan != NULL
+                     ? HAFT_OK
+                     : haft_error_set(error, HAFT_ERROR_LIBRARY,
+                                      "FFTW makes no plan for a map of %zu x %zu", rows, columns);
+    }
+    if (status == HAFT_OK) {
+        fftw_execute(plan);
+        fftw_destroy_plan(plan);
+        double scale = map->step_row * map->step_column / (4 * M_PI * M_PI * sums->square);
+        for (size_t i = 0; i < rows * half; i++) {
+            double re = creal(line[i]), im = cimag(line[i]);
+            (*out)[i] = scale * (re * re + im * im);
+        }
+    } else {
+        haft_memory_free(*out);
+        *out = NULL;
+    }
+    haft_memory_free(field);
+    haft_memory_free(line);
+    return status;
+}
+
+haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window,
+                              haft_error *error) {
+    double *half = NULL;
+    weights sums;
+    haft_status status = half_spectrum(&half, &sums, map, window, error);
+    size_t rows = map->rows, columns = map->columns, kept = columns / 2 + 1;
+    for (size_t i = 0; status == HAFT_OK && i < rows; i++) {
+        for (size_t j = 0; j < columns; j++) {
+            s[i * columns + j] =
+                j < kept ? half[i * kept + j] : half[(rows - i) % rows * kept + (columns - j)];
+        }
+    }
+    haft_memory_free(half);
+    return status;
+}
+
+/* ---- rings ---- */
+
+typedef struct rings {
+    size_t n;
+    double *edge;              /* n + 1 */
+    double *weight, *zeta, *s; /* sums over modes, of 1, zeta and s */
+} rings;
+
+static void destroy_rings(rings *r) {
+    haft_memory_free(r->edge);
+}
+
+/* Rings from half the coarsest mode to the highest Nyquist wave number. */
+static haft_status create_rings(rings *r, double width, double most, haft_error *error) {
+    double constant = width / (RING_RATIO - 1); /* from here on rings widen */
+    size_t room =
+        (size_t)(fmin(most, constant) / width) + (size_t)(40 * log10(fmax(1, most / width))) + 8;
+    double *data = haft_memory_alloc(room + 1, 4 * sizeof *data, error);
+    if (data == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    *r = (rings){.edge = data,
+                 .weight = data + (room + 1),
+                 .zeta = data + 2 * (room + 1),
+                 .s = data + 3 * (room + 1)};
+    r->edge[0] = 0.5 * width;
+    while (r->edge[r->n] < most && r->n < room) {
+        double here = r->edge[r->n];
+        r->edge[++r->n] = here + fmax(width, (RING_RATIO - 1) * here);
+    }
+    return HAFT_OK;
+}
+
+static void enter_mode(rings *r, double zeta, double s, double independent) {
+    size_t low = 0, high = r->n;
+    if (zeta < r->edge[0] || zeta >= r->edge[r->n]) {
+        return;
+    }
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        *(zeta >= r->edge[middle] ? &low : &high) = middle;
+    }
+    r->weight[low] += independent;
+    r->zeta[low] += independent * zeta;
+    r->s[low] += independent * s;
+}
+
+static haft_status enter_map(rings *r, const haft_map *map, haft_window window, haft_error *error) {
+    double *s = NULL;
+    weights sums;
+    haft_status status = half_spectrum(&s, &sums, map, window, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
+    double across = 2 * M_PI / ((double)rows * map->step_row);
+    double along = 2 * M_PI / ((double)columns * map->step_column);
+    double most = M_PI / fmax(map->step_row, map->step_column) * (1 + 1e-12);
+    for (size_t i = 0; i < rows; i++) {
+        double ky = across * (double)(i <= rows / 2 ? i : rows - i);
+        for (size_t j = 0; j < half; j++) {
+            double zeta = hypot(ky, along * (double)j);
+            bool twice = j > 0 && 2 * j < columns; /* its conjugate is not among the half */
+            if (zeta > 0 && zeta <= most) {
+                enter_mode(r, zeta, s[i * half + j], (twice ? 1 : 0.5) / sums.dependence);
+            }
+        }
+    }
+    haft_memory_free(s);
+    return HAFT_OK;
+}
+
+static haft_status rings_to_table(haft_psd_table **out, const rings *r, haft_error *error) {
+    size_t n = 0;
+    for (size_t k = 0; k < r->n; k++) {
+        n += r->s[k] > 0;
+    }
+    if (n < 2) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "the maps have no variance, or too few pixels for a spectrum");
+    }
+    haft_status status = haft_psd_table_create(out, n, error);
+    size_t at = 0;
+    for (size_t k = 0; status == HAFT_OK && k < r->n; k++) {
+        if (r->s[k] > 0) {
+            (*out)->zeta[at] = r->zeta[k] / r->weight[k];
+            (*out)->s[at] = r->s[k] / r->weight[k];
+            (*out)->count[at] = fmax(r->weight[k], 0.5);
+            at++;
+        }
+    }
+    return status;
+}
+
+haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *const *maps,
+                              haft_window window, haft_error *error) {
+    *out = NULL;
+    double width = 0, most = 0;
+    for (size_t k = 0; k < n; k++) {
+        const haft_map *map = maps[k];
+        double side =
+            fmin((double)map->rows * map->step_row, (double)map->columns * map->step_column);
+        width = fmax(width, 2 * M_PI / side);
+        most = fmax(most, M_PI / fmax(map->step_row, map->step_column));
+    }
+    if (n == 0) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "a spectrum needs a map");
+    }
+    rings r = {.n = 0};
+    haft_status status = create_rings(&r, width, most, error);
+    for (size_t k = 0; k < n && status == HAFT_OK; k++) {
+        status = enter_map(&r, maps[k], window, error);
+        if (status != HAFT_OK && n > 1) {
+            haft_error_prefix(error, "map %zu: ", k);
+        }
+    }
+    if (status == HAFT_OK) {
+        status = rings_to_table(out, &r, error);
+    }
+    destroy_rings(&r);
+    return status;
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* haft-laws inspect: what a height map holds. */
+#ifndef HAFT_TOOLS_INSPECT_H
+#define HAFT_TOOLS_INSPECT_H
+
+#include "terminal.h"
+
+/* Options as written, NULL where not given. */
+typedef struct inspect_words {
+    const char *channel, *level, *window, *missing, *outliers, *size, *unit, *lateral_unit,
+        *tip_radius;
+} inspect_words;
+
+/* Reads the map, prints what it is like, and draws it into `folder` (NULL: MAP's name with
+ * ".inspect", in the working directory). */
+haft_status inspect_map(const char *path, const inspect_words *words, const char *folder,
+                        bool quiet, haft_error *error);
+
+#endif
