@@ -129,8 +129,15 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
     return EXIT_OK;
 }
 
-static haft_status choose_realization(const haft_case *c, long asked, size_t *chosen,
-                                      haft_error *error) {
+haft_status draw_comparison(const char *labels, size_t n, double confidence, const char *directory,
+                            haft_error *error) {
+    char definitions[128];
+    setenv("HAFT_LABELS", labels, 1);
+    snprintf(definitions, sizeof definitions, "cases=%zu; confidence=%.9g", n, confidence);
+    return draw_script("compare", directory, "Crack lengths compared", definitions, error);
+}
+
+haft_status choose_realization(const haft_case *c, long asked, size_t *chosen, haft_error *error) {
     *chosen = asked >= 0 ? (size_t)asked : c->evidence.count > 0 ? c->evidence.realization[0] : 0;
     if (*chosen >= c->realizations) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
@@ -140,10 +147,9 @@ static haft_status choose_realization(const haft_case *c, long asked, size_t *ch
     return HAFT_OK;
 }
 
-/* The laws, if they are those of the case as it stands. */
-static haft_status read_matching_laws(haft_laws **laws, const haft_case *c, const char *path,
-                                      haft_error *error) {
-    char built[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
+haft_status read_matching_laws(haft_laws **laws, char built[HAFT_DIGEST_CAPACITY],
+                               const haft_case *c, const char *path, haft_error *error) {
+    char wanted[HAFT_DIGEST_CAPACITY];
     haft_status status = haft_laws_read(laws, built, path, error);
     if (status == HAFT_OK) {
         status = haft_laws_identify(wanted, c, (*laws)->origin, error);
@@ -161,6 +167,7 @@ int draw_case(const haft_case *c, const char *case_folder, long asked, const cha
               terminal *t) {
     haft_error error = {0};
     char results[PATH_CAPACITY], laws_path[PATH_CAPACITY], folder[PATH_CAPACITY];
+    char digest[HAFT_DIGEST_CAPACITY];
     haft_laws *laws = NULL;
     haft_results_view *view = NULL;
     size_t realization = 0;
@@ -175,7 +182,7 @@ int draw_case(const haft_case *c, const char *case_folder, long asked, const cha
         status = case_out_path(folder, case_folder, "plots", &error);
     }
     if (status == HAFT_OK) {
-        status = read_matching_laws(&laws, c, laws_path, &error);
+        status = read_matching_laws(&laws, digest, c, laws_path, &error);
     }
     if (status == HAFT_OK) {
         status = read_results(&view, c, results, &error);

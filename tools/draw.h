@@ -11,8 +11,21 @@
 int draw_case(const haft_case *c, const char *case_folder, long asked, const char *reference,
               terminal *t);
 
+/* The beam that is shown where `asked` was asked for: it, or if that is -1 the first that left
+ * evidence, or 0. */
+haft_status choose_realization(const haft_case *c, long asked, size_t *chosen, haft_error *error);
+
+/* The laws at `path`, if they are those of the case as it stands, and their digest. */
+haft_status read_matching_laws(haft_laws **laws, char digest[HAFT_DIGEST_CAPACITY],
+                               const haft_case *c, const char *path, haft_error *error);
+
 /* Draws the table of a sweep, CASE/out/sweep.csv, into CASE/out/plots; `greatest` of the values of
  * its first key chooses the axis' unit. @return the exit code */
 int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t);
+
+/* Draws DIR/distributions.csv and DIR/compare.csv, of n cases whose labels hold no space, one a
+ * line. */
+haft_status draw_comparison(const char *labels, size_t n, double confidence, const char *directory,
+                            haft_error *error);
 
 #endif

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* haft: checks, runs and plots a case. */
 #include "against.h"
+#include "compare.h"
 #include "draw.h"
+#include "report.h"
 #include "run.h"
 #include "summary_report.h"
 #include "sweep.h"
@@ -20,14 +22,22 @@ enum {
     KEY_JSON = 'j',
     KEY_THREADS = 't',
     KEY_REALIZATION = 'r',
-    KEY_AGAINST = 'a'
+    KEY_AGAINST = 'a',
+    KEY_BEAMS = 'b',
+    KEY_OUTPUT = 'o',
+    BUDGET_BEAMS = 4,
+    FOLDERS_MAX = 64,
 };
 
 typedef struct arguments {
-    const char *command, *folder, *against; /* against: NULL where there is no reference */
+    const char *command, *folder, *against; /* the first folder; NULL where there is no reference */
+    char *folders[FOLDERS_MAX];
+    size_t count; /* of them */
+    const char *output;
     bool force, quiet, json;
     int threads;
     long realization; /* -1: the first that left evidence */
+    long beams;       /* a term of the budget */
 } arguments;
 
 static const char DOC[] =
@@ -39,7 +49,10 @@ static const char DOC[] =
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
     "  resume   do what is left of a run that was stopped or killed\n"
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
-    "  info     say what a finished run holds\n\n"
+    "  info     say what a finished run holds\n"
+    "  report   tell a finished run on one page, CASE/out/report.html\n"
+    "  budget   measure what each approximation contributes to the mean crack length\n"
+    "  compare  put two cases or more, or the variants of a sweep, beside the first of them\n\n"
     "Where case.yaml holds a sweep, these do so for all its variants, each a case of its own in "
     "CASE/out. Built with MPI, `mpirun -n N haft run CASE` spreads the beams over N "
     "ranks.\n\n" EXIT_CODES;
@@ -50,10 +63,14 @@ static const struct argp_option OPTIONS[] = {
     {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
     {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
     {"realization", KEY_REALIZATION, "K", 0,
-     "plot, of one case: the beam whose path is drawn (default: the first with evidence, else 0)",
+     "plot, report, of one case: the beam whose path is drawn (default: the first with evidence, "
+     "else 0)",
      0},
     {"against", KEY_AGAINST, "REFERENCE", 0,
      "info, plot, of one case: hold its crack lengths against those of another case", 0},
+    {"output", KEY_OUTPUT, "DIR", 0,
+     "compare: put tables and figure into DIR (default: out/compare of the first case)", 0},
+    {"beams", KEY_BEAMS, "N", 0, "budget: follow N beams for each term (default: 4)", 0},
     {0}};
 
 static long parse_count(struct argp_state *state, const char *text, long least, long most,
@@ -86,14 +103,25 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     case KEY_REALIZATION:
         a->realization = parse_count(state, value, 0, 1000000000, "--realization");
         return 0;
+    case KEY_BEAMS:
+        a->beams = parse_count(state, value, 2, 1000000, "--beams");
+        return 0;
+    case KEY_OUTPUT:
+        a->output = value;
+        return 0;
     case KEY_AGAINST:
         a->against = value;
         return 0;
     case ARGP_KEY_ARG:
-        if (state->arg_num > 1) {
+        if (state->arg_num == 0) {
+            a->command = value;
+            return 0;
+        }
+        if (a->count > 0 && (strcmp(a->command, "compare") != 0 || a->count == FOLDERS_MAX)) {
             argp_error(state, "one command and one case, please; \"%s\" is too much", value);
         }
-        *(state->arg_num == 0 ? &a->command : &a->folder) = value;
+        a->folders[a->count++] = value;
+        a->folder = a->folders[0];
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num < 2) {
@@ -174,16 +202,16 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
-enum { CHECK, RUN, RESUME, PLOT, INFO, COMMANDS };
-static const char *const commands[COMMANDS] = {"check", "run", "resume", "plot", "info"};
+enum { CHECK, RUN, RESUME, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
+static const char *const commands[COMMANDS] = {"check", "run",    "resume", "plot",
+                                               "info",  "report", "budget", "compare"};
 
 /* What only one case has is refused where there is a sweep. */
 static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
     return terminal_fail(t,
                          haft_error_set(&error, HAFT_ERROR_INPUT,
-                                        "%s holds a sweep; what is compared is one case, as "
-                                        "%s/out/%s",
+                                        "%s holds a sweep; this is for one case, as %s/out/%s",
                                         a->folder, a->folder, c->sweep.label),
                          &error);
 }
@@ -192,7 +220,8 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     bool swept = c->sweep.keys > 0;
     int (*run)(const haft_case *, const char *, haft_run_mode, bool, terminal *) =
         swept ? run_sweep : run_case;
-    if (a->against != NULL && swept && command >= PLOT) {
+    if (swept &&
+        (command == REPORT || command == BUDGET || (a->against != NULL && command >= PLOT))) {
         return refuse_sweep(c, a, t);
     }
     switch (command) {
@@ -205,6 +234,10 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     case PLOT:
         return swept ? plot_sweep(c, a->folder, t)
                      : draw_case(c, a->folder, a->realization, a->against, t);
+    case REPORT:
+        return report_case(c, a->folder, a->realization, t);
+    case BUDGET:
+        return budget_case(c, a->folder, (size_t)a->beams, t);
     default:
         return swept                ? tell_sweep(c, a->folder, a->json, t)
                : a->against != NULL ? tell_against(c, a->folder, a->against, a->json, t)
@@ -224,7 +257,9 @@ static int start(const arguments *a, terminal *t) {
         return EXIT_OK;
     }
     if (command == COMMANDS) {
-        fprintf(stderr, "haft: there is no command \"%s\"; try check, run, resume, plot or info\n",
+        fprintf(stderr,
+                "haft: there is no command \"%s\"; try check, run, resume, plot, info, "
+                "report, budget or compare\n",
                 a->command);
         return EXIT_USAGE;
     }
@@ -236,6 +271,9 @@ static int start(const arguments *a, terminal *t) {
     }
     if (a->threads > 0) {
         omp_set_num_threads(a->threads);
+    }
+    if (command == COMPARE) {
+        return terminal_finish(t, compare_cases(a->count, a->folders, a->output, t));
     }
     haft_error error = {0};
     haft_case *c = NULL;
@@ -255,8 +293,9 @@ int main(int argc, char **argv) {
     bool leads = haft_study_rank() == 0;
     argp_err_exit_status = EXIT_USAGE;
     argp_program_version = haft_version();
-    static const struct argp program = {OPTIONS, parse, "COMMAND CASE", DOC, NULL, NULL, NULL};
-    arguments a = {.realization = -1};
+    static const struct argp program = {
+        OPTIONS, parse, "COMMAND CASE\ncompare CASE CASE...", DOC, NULL, NULL, NULL};
+    arguments a = {.realization = -1, .beams = BUDGET_BEAMS};
     if (argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a) != 0) {
         return EXIT_OK; /* rank 0 says what is wrong */
     }

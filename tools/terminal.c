@@ -234,3 +234,23 @@ haft_status read_results(haft_results_view **out, const haft_case *c, const char
     }
     return status;
 }
+
+haft_status read_own_results(haft_results_view **out, const haft_case *c, const char *path,
+                             haft_error *error) {
+    char *text = NULL;
+    haft_status status = read_results(out, c, path, error);
+    if (status == HAFT_OK) {
+        status = haft_case_emit(&text, c, error);
+    }
+    if (status == HAFT_OK && strcmp(text, (*out)->resolved_case) != 0) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s is of another case than there is now; run it again with "
+                                "--force",
+                                path);
+    }
+    haft_memory_free(text);
+    if (status != HAFT_OK) {
+        haft_results_view_destroy(out);
+    }
+    return status;
+}

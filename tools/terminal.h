@@ -72,4 +72,8 @@ haft_status save_laws_table(const haft_laws *laws, const char *folder, haft_erro
 haft_status read_results(haft_results_view **out, const haft_case *c, const char *path,
                          haft_error *error);
 
+/* The same where they must be of the case as it stands, to its last input. */
+haft_status read_own_results(haft_results_view **out, const haft_case *c, const char *path,
+                             haft_error *error);
+
 #endif

@@ -274,6 +274,9 @@ void haft_results_shapes_destroy(haft_results_shapes **shapes);
  * machine. Thread-safe. */
 void haft_io_drop_stale(const char *path);
 
+/** Writes a text to `path`, whole or not at all. Thread-safe for distinct paths. */
+haft_status haft_text_write(const char *path, const char *text, haft_error *error) HAFT_MUST_CHECK;
+
 /** A column of a CSV file. */
 typedef struct haft_csv_column {
     const char *name; /**< with its unit: "distance [nm]" */

@@ -145,6 +145,7 @@ typedef struct haft_case {
         haft_asperity_model asperities;
         double young_modulus; /**< of both bodies [Pa] */
         double poisson_ratio; /**< of both bodies */
+        double hardness;      /**< of the softer body [Pa], to judge asperities by; 0: not given */
         bool has_capillary;
         haft_capillary_spec capillary; /**< its humidity may be 0 if forces are chosen by it */
         haft_forces forces;

@@ -174,6 +174,8 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.young_modulus), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.poisson_ratio", "1", .low = 0, .low_in = true, .high = 0.5, .example = "0.22",
          .offset = AT(contact.poisson_ratio), .laws = HAFT_LAWS_ALWAYS),
+    REAL("contact.hardness", "Pa", POSITIVE, .fallback = "none", .example = "11 GPa",
+         .offset = AT(contact.hardness)),
     CHOICE("contact.forces", forces, .fallback = "given", .example = "given",
            .offset = AT(contact.forces), .laws = HAFT_LAWS_ALWAYS),
     /* 0 only where forces are chosen by it: see the cross checks. */

@@ -8,6 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+haft_status haft_text_write(const char *path, const char *text, haft_error *error) {
+    return haft_store_put(path, text, strlen(text), error);
+}
+
 static void write_name(FILE *stream, const char *name) {
     if (strpbrk(name, ",\"\r\n") == NULL) {
         fputs(name, stream);

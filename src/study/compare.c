@@ -37,16 +37,6 @@ static double error_of_deviation(const double *x, const haft_moments *moments) {
     return s > 0 ? sqrt(fmax(0, fourth - pow(s, 4)) / (double)moments->n) / (2 * s) : 0;
 }
 
-/* P(K > z) of Kolmogorov's law at the effective number of samples; Stephens (1970). */
-static double kolmogorov(double distance, size_t n, size_t m) {
-    double root = sqrt((double)n * (double)m / (double)(n + m)), p = 0;
-    double z = (root + 0.12 + 0.11 / root) * distance;
-    for (int k = 1; k <= 100; k++) {
-        p += 2 * (k % 2 == 1 ? 1 : -1) * exp(-2.0 * k * k * z * z);
-    }
-    return z < 0.2 ? 1 : fmin(1, fmax(0, p));
-}
-
 /* Deals the pooled samples out anew (Fisher and Yates). */
 static void deal(size_t n, double *x, uint64_t round) {
     for (size_t k = n; k > 1; k--) {
@@ -97,7 +87,7 @@ static void compare(haft_comparison *out, double *x, const haft_moments *of_x, d
     haft_chaos_sort(m, y);
     haft_chaos_distance d = haft_chaos_distance_of_samples(n, x, m, y);
     out->ks = d.ks;
-    out->ks_chance = kolmogorov(d.ks, n, m);
+    out->ks_chance = haft_study_kolmogorov(d.ks, n, m);
     out->w1 = d.w1;
     measure_by_chance(out, x, n, y, m, room);
 }

@@ -71,6 +71,27 @@ haft_interval haft_study_deviation_interval(double deviation, size_t n, double c
                            deviation * sqrt(freedom / chi_square(true, p, freedom))};
 }
 
+haft_interval haft_study_difference_interval(const double mean[2], const double deviation[2],
+                                             const size_t n[2], double confidence) {
+    double variance[2], sum = 0, squares = 0;
+    for (int i = 0; i < 2; i++) {
+        if (n[i] < 2 || !isfinite(deviation[i])) {
+            return UNKNOWN;
+        }
+        variance[i] = deviation[i] * deviation[i] / (double)n[i];
+        sum += variance[i];
+    }
+    double difference = mean[1] - mean[0];
+    if (sum == 0) {
+        return (haft_interval){difference, difference};
+    }
+    for (int i = 0; i < 2; i++) {
+        squares += variance[i] / sum * (variance[i] / sum) / (double)(n[i] - 1);
+    }
+    double half = student(0.5 * (1 - confidence), 1 / squares) * sqrt(sum);
+    return (haft_interval){difference - half, difference + half};
+}
+
 /* ---- shares and ranks ---- */
 
 /* P(at most k of n) as a function of the share. */

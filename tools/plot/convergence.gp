@@ -19,7 +19,7 @@ if (known) {
 
 do for [kind in "png svg"] {
     eval(open_figure(kind, "convergence", 1400, 700))
-    set multiplot layout 1,2 title title_text noenhanced margins 0.07, 0.97, 0.24, 0.85 spacing 0.09, 0
+    set multiplot layout 1,2 title title_text noenhanced margins 0.085, 0.97, 0.24, 0.85 spacing 0.09, 0
     set xlabel "number of beams"
     set xrange [1:beams]
     if (beams < 12) { set xtics 1 }

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A case with some of its choices changed, followed. Private to this room. */
+#ifndef HAFT_STUDY_BUDGET_H
+#define HAFT_STUDY_BUDGET_H
+
+#include "haft/study.h"
+
+/* What can be changed in a case; several at once. */
+enum {
+    HAFT_CHANGE_GRID = 1 << 0,       /* half the grid step */
+    HAFT_CHANGE_ASPERITIES = 1 << 1, /* the other model of asperities */
+    HAFT_CHANGE_TABLE = 1 << 2,      /* the curves themselves for Morse laws */
+    HAFT_CHANGE_EXACT = 1 << 3,      /* the stochastic model without expansion */
+    HAFT_CHANGE_PATCHES = 1 << 4,    /* independent patches for the stochastic model */
+    HAFT_CHANGE_SEAMLESS = 1 << 5,   /* one seamless surface for independent patches */
+    HAFT_CHANGE_PATCH = 1 << 6,      /* half of l_meso */
+    HAFT_CHANGE_MESH = 1 << 7,       /* the exact mesh */
+    HAFT_CHANGE_LENGTH = 1 << 8,     /* a quarter more of the beam */
+    HAFT_CHANGE_STEPS = 1 << 9,      /* half the steps along the path and in landings */
+};
+
+enum { HAFT_VARIANTS_KEPT = 24 };
+
+/* A case as changed, its beams and what they took. */
+typedef struct haft_changed {
+    unsigned changes;
+    haft_case *c;
+    haft_summary *beam;
+    double seconds; /* a beam, laws included */
+} haft_changed;
+
+/* All that were followed, and the laws they share. */
+typedef struct haft_changed_set {
+    const haft_case *c;
+    size_t beams;
+    const char *directory;
+    const haft_progress *progress;
+    size_t count, laws_count;
+    haft_changed changed[HAFT_VARIANTS_KEPT];
+    struct {
+        char digest[HAFT_DIGEST_CAPACITY];
+        size_t sites; /* of the beams they are for; 0: for any */
+        haft_laws *laws;
+        double seconds;
+    } built[HAFT_VARIANTS_KEPT];
+} haft_changed_set;
+
+/* The case with these changes, followed once however often it is asked for; the set owns it.
+ * @return HAFT_ERROR_INPUT if the changed case cannot be used; the message says why. */
+haft_status haft_changed_get(const haft_changed **out, haft_changed_set *set, unsigned changes,
+                             haft_error *error) HAFT_MUST_CHECK;
+void haft_changed_close(haft_changed_set *set);
+
+#endif

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two sets of beams beside each other. Where they have the seed in common, beam k of one has the
+ * random numbers of beam k of the other, and the differences of pairs say more than the difference
+ * of means. The test of distributions takes the sets as independent: of paired sets it rejects too
+ * seldom. */
+#include "haft/study.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { EXACT_MOST = 200, EXACT_PATHS = 1000000 };
+
+/* Crack lengths of the beams followed to the end, sorted; a free one is longer than any. */
+typedef struct lengths {
+    size_t n, stuck;
+    double *value;
+} lengths;
+
+static int by_size(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static haft_status gather(lengths *l, const haft_summary *beam, size_t beams, haft_error *error) {
+    *l = (lengths){.value = haft_memory_alloc(beams > 0 ? beams : 1, sizeof(double), error)};
+    if (l->value == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    for (size_t k = 0; k < beams; k++) {
+        bool stuck = beam[k].outcome == HAFT_OUTCOME_STUCK;
+        if (stuck || beam[k].outcome == HAFT_OUTCOME_FREE) {
+            l->value[l->n++] = stuck ? beam[k].crack_length : INFINITY;
+            l->stuck += stuck;
+        }
+    }
+    qsort(l->value, l->n, sizeof(double), by_size);
+    return HAFT_OK;
+}
+
+/* Greatest distance of the two empirical distribution functions, taken after all equal values. */
+static double find_distance(const lengths *a, const lengths *b) {
+    double greatest = 0;
+    size_t i = 0, j = 0;
+    while (i < a->n && j < b->n) {
+        double at = fmin(a->value[i], b->value[j]);
+        while (i < a->n && a->value[i] <= at) {
+            i++;
+        }
+        while (j < b->n && b->value[j] <= at) {
+            j++;
+        }
+        double gap = fabs((double)i / (double)a->n - (double)j / (double)b->n);
+        greatest = fmax(greatest, gap);
+    }
+    return greatest;
+}
+
+/* P(distance >= d) by counting: all orders of the n1 + n2 values are equally likely, and an order
+ * is a path on the lattice of the two counts, which is lost where it strays (Hodges 1958). One row
+ * of the lattice is kept, as shares of all paths to it. */
+static double count_paths(double distance, size_t n1, size_t n2) {
+    double kept[EXACT_MOST + 1];
+    double a = (double)n1, b = (double)n2, bound = (0.5 + floor(distance * a * b - 1e-7)) / (a * b);
+    for (size_t j = 0; j <= n2; j++) {
+        kept[j] = (double)j / b > bound ? 0 : 1;
+    }
+    for (size_t i = 1; i <= n1; i++) {
+        double share = (double)i / ((double)i + b);
+        kept[0] = (double)i / a > bound ? 0 : share * kept[0];
+        for (size_t j = 1; j <= n2; j++) {
+            bool lost = fabs((double)i / a - (double)j / b) > bound;
+            kept[j] = lost ? 0 : share * kept[j] + kept[j - 1];
+        }
+    }
+    return fmin(1, fmax(0, 1 - kept[n2]));
+}
+
+double haft_study_kolmogorov(double distance, size_t n1, size_t n2) {
+    size_t few = n1 < n2 ? n1 : n2, many = n1 < n2 ? n2 : n1;
+    if (few == 0 || !isfinite(distance)) {
+        return NAN;
+    }
+    if (few <= EXACT_MOST && many <= EXACT_PATHS / few) {
+        return count_paths(distance, many, few);
+    }
+    double root = sqrt((double)n1 * (double)n2 / ((double)n1 + (double)n2));
+    double x = (root + 0.12 + 0.11 / root) * distance, sum = 0;
+    if (x < 0.2) {
+        return 1; /* to 1e-12, where the series below is slow */
+    }
+    for (int k = 1; k <= 100; k++) {
+        double term = exp(-2.0 * k * k * x * x);
+        sum += k % 2 == 1 ? term : -term;
+        if (term < 1e-17) {
+            break;
+        }
+    }
+    return fmin(1, fmax(0, 2 * sum));
+}
+
+/* Newcombe's rule: each bound moves by the two bounds that move it, squared and added. */
+static haft_interval newcombe(const double share[2], const haft_interval bound[2]) {
+    double difference = share[1] - share[0];
+    double down = hypot(share[1] - bound[1].low, bound[0].high - share[0]);
+    double up = hypot(bound[1].high - share[1], share[0] - bound[0].low);
+    return (haft_interval){difference - down, difference + up};
+}
+
+static void compare_pairs(haft_difference *out, const haft_summary *a, const haft_summary *b,
+                          size_t beams) {
+    double mean[2] = {0}, square[2] = {0}, product = 0, squares = 0;
+    size_t n = 0;
+    for (size_t k = 0; k < beams; k++) {
+        bool stuck[2] = {a[k].outcome == HAFT_OUTCOME_STUCK, b[k].outcome == HAFT_OUTCOME_STUCK};
+        bool free[2] = {a[k].outcome == HAFT_OUTCOME_FREE, b[k].outcome == HAFT_OUTCOME_FREE};
+        out->switched += (stuck[0] && free[1]) || (free[0] && stuck[1]);
+        if (!stuck[0] || !stuck[1]) {
+            continue;
+        }
+        n++;
+        double value[2] = {a[k].crack_length, b[k].crack_length}, off[2];
+        double d = value[1] - value[0] - (mean[1] - mean[0]);
+        for (int i = 0; i < 2; i++) {
+            off[i] = value[i] - mean[i];
+            mean[i] += off[i] / (double)n;
+            square[i] += off[i] * (value[i] - mean[i]);
+        }
+        product += off[0] * (value[1] - mean[1]);
+        squares += d * (value[1] - value[0] - (mean[1] - mean[0]));
+    }
+    out->pairs = n;
+    out->pair_difference = n > 0 ? mean[1] - mean[0] : NAN;
+    out->pair_deviation = n > 1 ? sqrt(fmax(0, squares) / (double)(n - 1)) : NAN;
+    out->pair_interval =
+        haft_study_mean_interval(out->pair_difference, out->pair_deviation, n, out->confidence);
+    double spread = sqrt(square[0] * square[1]);
+    out->correlation = n > 1 && spread > 0 ? product / spread : NAN;
+}
+
+haft_status haft_study_differ(haft_difference *out, const haft_case *first,
+                              const haft_summary *first_beam, size_t first_beams,
+                              const haft_case *second, const haft_summary *second_beam,
+                              size_t second_beams, haft_error *error) {
+    haft_statistics s[2] = {haft_study_statistics(first, first_beam, first_beams),
+                            haft_study_statistics(second, second_beam, second_beams)};
+    double mean[2], deviation[2], share[2];
+    size_t n[2];
+    haft_interval bound[2];
+    lengths l[2] = {{0}, {0}};
+    *out = (haft_difference){.confidence = s[0].confidence,
+                             .paired = first->seed == second->seed,
+                             .pair_difference = NAN,
+                             .pair_deviation = NAN,
+                             .pair_interval = {NAN, NAN},
+                             .correlation = NAN};
+    haft_status status = gather(&l[0], first_beam, first_beams, error);
+    if (status == HAFT_OK) {
+        status = gather(&l[1], second_beam, second_beams, error);
+    }
+    for (int i = 0; i < 2 && status == HAFT_OK; i++) {
+        mean[i] = s[i].mean;
+        deviation[i] = s[i].deviation;
+        n[i] = s[i].stuck;
+        share[i] = s[i].stuck_share;
+        bound[i] = haft_study_share_interval(l[i].stuck, l[i].n, out->confidence);
+    }
+    if (status == HAFT_OK) {
+        out->difference = mean[1] - mean[0];
+        out->difference_interval =
+            haft_study_difference_interval(mean, deviation, n, out->confidence);
+        out->distance = l[0].n > 0 && l[1].n > 0 ? find_distance(&l[0], &l[1]) : NAN;
+        out->p_value = haft_study_kolmogorov(out->distance, l[0].n, l[1].n);
+        out->share_difference = share[1] - share[0];
+        out->share_interval = newcombe(share, bound);
+        if (out->paired) {
+            size_t common = first_beams < second_beams ? first_beams : second_beams;
+            compare_pairs(out, first_beam, second_beam, common);
+        }
+    }
+    haft_memory_free(l[0].value);
+    haft_memory_free(l[1].value);
+    return status;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One HTML page that holds all it shows: style, text, figures. */
+#ifndef HAFT_TOOLS_PAGE_H
+#define HAFT_TOOLS_PAGE_H
+
+#include "haft/base.h"
+
+#include <stdio.h>
+
+typedef struct page {
+    FILE *stream; /* in memory */
+    char *text;
+    size_t size;
+    unsigned figures;
+} page;
+
+/* Begins a page: head, style, heading. @return HAFT_ERROR_MEMORY. */
+haft_status page_open(page *p, const char *title, haft_error *error);
+
+/* Writes markup as it stands: only for text of the program's own. */
+void page_markup(page *p, const char *markup);
+
+/* Writes text, as printf does, with all that HTML would read as markup escaped. */
+void page_text(page *p, const char *format, ...) HAFT_PRINTF(2, 3);
+
+/* <tag class="kind">text</tag>; kind may be NULL. */
+void page_element(page *p, const char *tag, const char *kind, const char *format, ...)
+    HAFT_PRINTF(4, 5);
+
+/* Puts the picture at `path` into the page, SVG as it is, PNG encoded, under its caption.
+ * @return false, with nothing written, if it cannot be read. */
+bool page_figure(page *p, const char *path, const char *caption);
+
+/* Ends the page and writes it whole or not at all; the page is gone whatever comes of it. */
+haft_status page_store(page *p, const char *path, haft_error *error);
+
+#endif
