@@ -421,12 +421,10 @@ typedef struct haft_difference {
     double confidence;
     double difference;                 /**< of the means [m] */
     haft_interval difference_interval; /**< Welch: takes the two sets as independent */
-    double
-        distance; /**< greatest distance of the two empirical distributions (Kolmogorov-Smirnov) */
-    double p_value;               /**< of a distance as great if both were of one distribution */
+    double distance; /**< of the two empirical distributions, greatest (Kolmogorov-Smirnov) */
+    double p_value;  /**< of a distance as great if both were of one distribution */
     double share_difference;      /**< of the shares that stuck */
-    haft_interval share_interval; /**< from the two Clopper-Pearson intervals by Newcombe's (1998)
-                                     square-and-add rule */
+    haft_interval share_interval; /**< of Clopper-Pearson's by Newcombe's (1998) square-and-add */
     bool paired;     /**< both have the seed in common: beam k of one is beam k of the other */
     size_t pairs;    /**< k stuck in both */
     size_t switched; /**< k stuck in one and free in the other */
