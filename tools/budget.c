@@ -2,6 +2,8 @@
 /* haft budget: measured by the library, printed as a table. */
 #include "report.h"
 
+#include "haft/study_report.h"
+
 #include <stdio.h>
 
 static void print_term(const haft_budget_term *t) {

@@ -4,6 +4,8 @@
 
 #include "draw.h"
 
+#include "haft/study_report.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>

@@ -5,6 +5,8 @@
 #include "draw.h"
 #include "page.h"
 
+#include "haft/study_report.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

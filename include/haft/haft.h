@@ -13,6 +13,7 @@
 #include "haft/law.h"
 #include "haft/solve.h"
 #include "haft/study.h"
+#include "haft/study_report.h"
 #include "haft/surface.h"
 #include "haft/surface_map.h"
 

@@ -3,7 +3,7 @@
 #ifndef HAFT_STUDY_BUDGET_H
 #define HAFT_STUDY_BUDGET_H
 
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 /* What can be changed in a case; several at once. */
 enum {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The error budget as CSV, and back. Texts are quoted, numbers have 12 digits, lengths are in um;
  * what was not measured is nan. */
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 #include <math.h>
 #include <stdio.h>

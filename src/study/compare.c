@@ -5,6 +5,8 @@
  * 1979). */
 #include "moments.h"
 
+#include "haft/study_report.h"
+
 #include <math.h>
 
 enum { ROUNDS = 400 };

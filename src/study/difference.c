@@ -3,7 +3,7 @@
  * random numbers of beam k of the other, and the differences of pairs say more than the difference
  * of means. The test of distributions takes the sets as independent: of paired sets it rejects too
  * seldom. */
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 #include <math.h>
 #include <stdlib.h>

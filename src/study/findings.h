@@ -3,7 +3,7 @@
 #ifndef HAFT_STUDY_FINDINGS_H
 #define HAFT_STUDY_FINDINGS_H
 
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 /* A case, its run, and one of its beams followed again with all its states. */
 typedef struct haft_evidence {

@@ -3,7 +3,7 @@
  * functions: its own inverses call its error handler, which ends the program, where they do not
  * converge. Brackets grow in small steps from a guess, since far out in a tail the functions
  * underflow, which GSL counts as an error too. */
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>

@@ -3,7 +3,7 @@
  * refinements at once change lies within it. */
 #include "program.h"
 
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 static haft_budget read_budget(const case_folder *c) {
     haft_error error = {0};

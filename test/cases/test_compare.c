@@ -3,7 +3,7 @@
  * what cannot be compared is told. */
 #include "program.h"
 
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 static const edit humidities[] = {
     {"    humidity: 85 %\n", ""},

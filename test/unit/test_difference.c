@@ -2,7 +2,7 @@
 /* Two sets of beams beside each other: against GSL, brute force, and orders counted one by one. */
 #include "check.h"
 
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_statistics_double.h>

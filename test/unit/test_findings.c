@@ -2,7 +2,7 @@
 /* The correlation length of a surface against its PSD's Hankel transform by quadrature. */
 #include "check.h"
 
-#include "haft/study.h"
+#include "haft/study_report.h"
 
 #include <gsl/gsl_sf_bessel.h>
 
