@@ -224,7 +224,7 @@ static void print_parts(const haft_vectors_error *v, size_t n, const haft_chaos_
 }
 
 haft_status print_study(const haft_laws *laws, const haft_case *c, haft_error *error) {
-    enum { ROWS = 3 * HAFT_STUDY_ORDERS };
+    enum { ROWS = HAFT_STUDY_ORDER_ROWS };
     haft_order_error o[ROWS];
     haft_vectors_error v[HAFT_STUDY_PARTS];
     size_t m[HAFT_STUDY_PARTS];
@@ -236,10 +236,7 @@ haft_status print_study(const haft_laws *laws, const haft_case *c, haft_error *e
             "exact, kernel, bootstrap or mean");
     }
     haft_chaos_get_parts(laws->chaos, &p);
-    for (size_t i = 0; i < ROWS; i++) {
-        o[i].germ = (haft_chaos_germ)(i / HAFT_STUDY_ORDERS);
-        o[i].order = haft_study_orders[i % HAFT_STUDY_ORDERS];
-    }
+    haft_study_list_orders(o);
     haft_status status = haft_study_model_orders(laws, c, ROWS, o, error);
     if (status == HAFT_OK) {
         print_orders(o, ROWS, &p);

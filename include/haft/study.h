@@ -297,9 +297,11 @@ enum { HAFT_STUDY_MAPS = 32768 };
 haft_status haft_study_model_orders(const haft_laws *laws, const haft_case *c, size_t n,
                                     haft_order_error *out, haft_error *error) HAFT_MUST_CHECK;
 
-/** The orders that figures and tables of convergence go through. */
-enum { HAFT_STUDY_ORDERS = 9 };
-extern const size_t haft_study_orders[HAFT_STUDY_ORDERS];
+/** The orders that figures and tables of convergence go through, and rows of all germs in them. */
+enum { HAFT_STUDY_ORDERS = 9, HAFT_STUDY_ORDER_ROWS = 3 * HAFT_STUDY_ORDERS };
+
+/** Sets germ and order of each row, germ by germ. Thread-safe. */
+void haft_study_list_orders(haft_order_error row[HAFT_STUDY_ORDER_ROWS]);
 
 /** What a model of m vectors lacks of one of all, [j] for principal component j of all; means over
  *  up to 8 disjoint parts of the vectors. */

@@ -69,21 +69,27 @@ static void add_point(islands *all, size_t place, size_t pitch, double rise) {
     all->sum[mine] += rise;
 }
 
-/* Sums over the islands at a depth above the lowest distance, dropping those merged into others. */
-static void add_up(islands *all, double depth, double *push, double *points) {
-    double sum = 0, covered = 0;
+/* Takes those merged into others off the list. */
+static void drop_merged(islands *all) {
     uint32_t kept = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
-        if (all->parent[island] != island) {
-            continue;
+        if (all->parent[island] == island) {
+            all->live[kept++] = island;
         }
-        all->live[kept++] = island;
+    }
+    all->alive = kept;
+}
+
+/* Sums over the islands at a depth above the lowest distance. */
+static void add_up(const islands *all, double depth, double *push, double *points) {
+    double sum = 0, covered = 0;
+    for (uint32_t k = 0; k < all->alive; k++) {
+        uint32_t island = all->live[k];
         double n = all->count[island];
         sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
         covered += n;
     }
-    all->alive = kept;
     *push = sum;
     *points = covered;
 }
@@ -91,16 +97,11 @@ static void add_up(islands *all, double depth, double *push, double *points) {
 /* The same with each island a Maugis sphere. Its pull is at most the adhesive strength over its
  * area, which is all that is within range, and what a rigid paraboloid has: else an island of one
  * point a hair above the level, whose radius has no bound, would pull without bound. */
-static void add_spheres(islands *all, double depth, double step, const haft_adhesion *adhesion,
-                        double *push, double *area, double *number) {
+static void add_spheres(const islands *all, double depth, double step,
+                        const haft_adhesion *adhesion, double *push, double *area, double *number) {
     double sum = 0, covered = 0, touching = 0;
-    uint32_t kept = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
-        if (all->parent[island] != island) {
-            continue;
-        }
-        all->live[kept++] = island;
         double n = all->count[island], base = n * step * step;
         double mean = fmax(all->sum[island] / n - depth, 0);
         haft_sphere sphere = haft_adhesion_sphere(adhesion, base / (4 * M_PI * mean));
@@ -109,7 +110,6 @@ static void add_spheres(islands *all, double depth, double step, const haft_adhe
         covered += fmin(contact, base);
         touching += contact > 0;
     }
-    all->alive = kept;
     *push = sum;
     *area = covered;
     *number = touching;
@@ -170,6 +170,7 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
             uint32_t point = order[k];
             add_point(&all, point + point / columns + pitch + 1, pitch, patch->z[point] - lowest);
         }
+        drop_merged(&all);
         double depth = levels->at[level] - lowest, push = 0, points = 0;
         if (adhesion != NULL) {
             add_spheres(&all, depth, step, adhesion, &tally->push[level], &tally->area[level],

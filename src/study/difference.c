@@ -6,7 +6,6 @@
 #include "haft/study_report.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { EXACT_MOST = 200, EXACT_PATHS = 1000000 };
 
@@ -15,11 +14,6 @@ typedef struct lengths {
     size_t n, stuck;
     double *value;
 } lengths;
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static haft_status gather(lengths *l, const haft_summary *beam, size_t beams, haft_error *error) {
     *l = (lengths){.value = haft_memory_alloc(beams > 0 ? beams : 1, sizeof(double), error)};
@@ -33,26 +27,8 @@ static haft_status gather(lengths *l, const haft_summary *beam, size_t beams, ha
             l->stuck += stuck;
         }
     }
-    qsort(l->value, l->n, sizeof(double), by_size);
+    haft_chaos_sort(l->n, l->value);
     return HAFT_OK;
-}
-
-/* Greatest distance of the two empirical distribution functions, taken after all equal values. */
-static double find_distance(const lengths *a, const lengths *b) {
-    double greatest = 0;
-    size_t i = 0, j = 0;
-    while (i < a->n && j < b->n) {
-        double at = fmin(a->value[i], b->value[j]);
-        while (i < a->n && a->value[i] <= at) {
-            i++;
-        }
-        while (j < b->n && b->value[j] <= at) {
-            j++;
-        }
-        double gap = fabs((double)i / (double)a->n - (double)j / (double)b->n);
-        greatest = fmax(greatest, gap);
-    }
-    return greatest;
 }
 
 /* P(distance >= d) by counting: all orders of the n1 + n2 values are equally likely, and an order
@@ -168,7 +144,9 @@ haft_status haft_study_differ(haft_difference *out, const haft_case *first,
         out->difference = mean[1] - mean[0];
         out->difference_interval =
             haft_study_difference_interval(mean, deviation, n, out->confidence);
-        out->distance = l[0].n > 0 && l[1].n > 0 ? find_distance(&l[0], &l[1]) : NAN;
+        bool both = l[0].n > 0 && l[1].n > 0;
+        out->distance =
+            both ? haft_chaos_distance_of_samples(l[0].n, l[0].value, l[1].n, l[1].value).ks : NAN;
         out->p_value = haft_study_kolmogorov(out->distance, l[0].n, l[1].n);
         out->share_difference = share[1] - share[0];
         out->share_interval = newcombe(share, bound);

@@ -9,8 +9,6 @@
 
 enum { N = HAFT_CHAOS_DIMENSION, LINE = 301, DENSITIES = 5 };
 
-const size_t haft_study_orders[HAFT_STUDY_ORDERS] = {1, 2, 3, 4, 6, 8, 10, 12, 14};
-
 /* ---- the map ---- */
 
 /* A line through the germ's cube: coordinate 0, or coordinate 1 at a given probability of it. */
@@ -82,15 +80,12 @@ haft_status haft_stochastic_write_orders(const haft_case *c, const haft_laws *la
                                               "own rule 2",   "own rule 3",  "own rule 4",
                                               "relMISE 1",    "relMISE 2",   "relMISE 3",
                                               "relMISE 4"};
-    enum { ROWS = 3 * HAFT_STUDY_ORDERS };
+    enum { ROWS = HAFT_STUDY_ORDER_ROWS };
     haft_order_error o[ROWS];
     haft_sheet t = {0};
     haft_chaos_parts p;
     haft_chaos_get_parts(laws->chaos, &p);
-    for (size_t i = 0; i < ROWS; i++) {
-        o[i].germ = (haft_chaos_germ)(i / HAFT_STUDY_ORDERS);
-        o[i].order = haft_study_orders[i % HAFT_STUDY_ORDERS];
-    }
+    haft_study_list_orders(o);
     haft_status status = haft_study_model_orders(laws, c, ROWS, o, error);
     if (status == HAFT_OK) {
         status = haft_sheet_make(&t, ROWS, COLUMNS, error);

@@ -84,6 +84,14 @@ static haft_status study_order(haft_order_error *out, const haft_chaos_parts *p,
     return status;
 }
 
+void haft_study_list_orders(haft_order_error row[HAFT_STUDY_ORDER_ROWS]) {
+    static const size_t orders[HAFT_STUDY_ORDERS] = {1, 2, 3, 4, 6, 8, 10, 12, 14};
+    for (size_t i = 0; i < HAFT_STUDY_ORDER_ROWS; i++) {
+        row[i] = (haft_order_error){.germ = (haft_chaos_germ)(i / HAFT_STUDY_ORDERS),
+                                    .order = orders[i % HAFT_STUDY_ORDERS]};
+    }
+}
+
 haft_status haft_study_model_orders(const haft_laws *laws, const haft_case *c, size_t n,
                                     haft_order_error *out, haft_error *error) {
     haft_chaos_parts p;
