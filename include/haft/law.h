@@ -71,6 +71,7 @@ typedef struct haft_law {
     double wall_distance;   /**< below it the wall goes on linearly [m] */
     double wall_force, wall_slope,
         wall_potential; /**< f [Pa], f' [Pa/m], Phi [J/m^2] at the wall */
+    double end;         /**< gap from which on there is no force; infinite for Morse [m] */
     const haft_law_table *table;
 } haft_law;
 

@@ -103,7 +103,9 @@ double haft_model_crack_length(const haft_model *model, const haft_law *laws, co
     size_t e = 0;
     for (size_t r = 0; r < model->sites && model->nodes > 0; r++) {
         double right = r + 1 < model->sites ? 0.5 * (model->site[r].x + model->site[r + 1].x) : end;
-        double level = model->gap - haft_law_reach(&laws[r], share);
+        /* A table's reach is looked for only where the beam comes within the table's end. */
+        bool found = !isfinite(laws[r].end);
+        double level = model->gap - (found ? haft_law_reach(&laws[r], share) : laws[r].end);
         while (left < right) {
             while (e + 2 < model->nodes && model->node_x[e + 1] <= left) {
                 e++;
@@ -112,7 +114,13 @@ double haft_model_crack_length(const haft_model *model, const haft_law *laws, co
             double stop = fmin(right, model->node_x[e + 1]);
             double c[4];
             element_cubic(model, u, e, c);
-            double xi = first_reach(c, level, (left - x0) / l, fmin(1, (stop - x0) / l));
+            double from = (left - x0) / l, to = fmin(1, (stop - x0) / l);
+            double xi = first_reach(c, level, from, to);
+            if (!isnan(xi) && !found) {
+                found = true;
+                level = model->gap - haft_law_reach(&laws[r], share);
+                xi = first_reach(c, level, from, to);
+            }
             if (!isnan(xi)) {
                 return x0 + xi * l;
             }
