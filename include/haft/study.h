@@ -107,6 +107,10 @@ size_t haft_study_first_site(const haft_case *c);
 bool haft_study_has_sites(const haft_case *c, const haft_laws *laws, size_t realization);
 bool haft_study_has_laws(const haft_case *c, const haft_laws *laws, size_t realization);
 
+/** Whether a case's beams draw patches and take their curves, whatever form these have: a bootstrap
+ *  of tables, which needs patches but no model of them. Thread-safe. */
+bool haft_study_draws_patches(const haft_case *c);
+
 /** A copy of one set of laws, which is a realization's or a model's patches, with such sites and
  *  curves as the case keeps. @param[in] set number of the realization within `laws` */
 haft_status haft_study_take_laws(haft_laws **out, const haft_case *c, const haft_laws *laws,
