@@ -382,6 +382,11 @@ typedef struct haft_variant {
 haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants, const char *path,
                                    haft_error *error) HAFT_MUST_CHECK;
 
+/** Writes DIRECTORY/water.csv: Laplace pressure and height of the water between the faces, films
+ *  included, from RH 30 to 99 %, for the liquid of a case that has a capillary. */
+haft_status haft_study_write_water(const haft_case *c, const char *directory,
+                                   haft_error *error) HAFT_MUST_CHECK;
+
 /** Writes summary.csv, one row a realization. */
 haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
                                      haft_error *error) HAFT_MUST_CHECK;
