@@ -108,6 +108,9 @@ static haft_status draw_humidity(const haft_case *c, const char *folder, const c
     }
     bool forces = sweep->keys > 1 && strcmp(sweep->key[1], "contact.forces") == 0;
     haft_status status = haft_study_write_water(c, folder, error);
+    if (status == HAFT_OK) {
+        status = draw_script("water", folder, c->title, definitions, error);
+    }
     return status == HAFT_OK ? draw_script(forces ? "contributions" : "humidity", folder, c->title,
                                            definitions, error)
                              : status;
