@@ -184,15 +184,27 @@ void haft_results_abandon(haft_results **results);
 
 /* ---- parts: the realizations of an unfinished run ---- */
 
-/** One process's part of a run: a log FOLDER/part-RANK-NUMBER that grows by a checksummed record a
- *  realization. A process that is killed loses what it had not yet appended, no more. */
+/** A share of a run's realizations, for processes that know nothing of each other: those k with
+ *  k mod count = index - 1. Shards 1 .. count are disjoint, and together all there are. */
+typedef struct haft_shard {
+    size_t index; /**< from 1 to count */
+    size_t count; /**< 0: no shard but the whole run */
+} haft_shard;
+
+/** Whether a realization is one of the shard's. Thread-safe. */
+bool haft_shard_has(haft_shard shard, size_t realization);
+
+/** One process's part of a run: a log FOLDER/part-RANK-NUMBER, of a shard
+ *  FOLDER/part-IofN-RANK-NUMBER, that grows by a checksummed record a realization. A process that
+ *  is killed loses what it had not yet appended, no more. */
 typedef struct haft_part haft_part;
 
 /** Starts a new part; it never touches those that are there.
- *  @param[in] rank of the process in the run, for the name alone
+ *  @param[in] shard, rank of the process in the run, for the name alone
  *  @return HAFT_ERROR_IO (nothing is left behind), HAFT_ERROR_MEMORY. Thread-safe. */
-haft_status haft_part_create(haft_part **out, const char *folder, int rank, const haft_case *c,
-                             const char *laws_digest, haft_error *error) HAFT_MUST_CHECK;
+haft_status haft_part_create(haft_part **out, const char *folder, haft_shard shard, int rank,
+                             const haft_case *c, const char *laws_digest,
+                             haft_error *error) HAFT_MUST_CHECK;
 
 /** Appends one realization, whole or not at all, in any order. The kernel has it on return; the
  * disk within about a second of further appending, or at haft_part_close(). One thread at a time.
@@ -207,12 +219,13 @@ haft_status haft_part_append(haft_part *part, size_t realization, const haft_pat
  * handle is gone whatever comes of it. */
 haft_status haft_part_close(haft_part **part, haft_error *error);
 
-/** A folder of parts, held by one run at a time (flock). */
+/** A folder of parts, held (flock) by one run, or by any number of shards, each by one process. */
 typedef struct haft_parts haft_parts;
 
-/** Makes the folder if need be and takes it.
- *  @return HAFT_ERROR_EXISTS if another process holds it, HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
-haft_status haft_parts_hold(haft_parts **out, const char *folder,
+/** Makes the folder if need be and takes it. A shard sees and clears its own parts alone.
+ *  @return HAFT_ERROR_EXISTS if another process holds it or the shard, or if parts of another
+ *  split are there; HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
+haft_status haft_parts_hold(haft_parts **out, const char *folder, haft_shard shard,
                             haft_error *error) HAFT_MUST_CHECK;
 
 /** Gives the folder up, and removes it if no part is left in it; NULL is allowed. */
@@ -230,6 +243,13 @@ haft_status haft_parts_scan(haft_parts *parts, const haft_case *c, const char *l
 /** How many part files, and how many realizations in them, the last scan found. */
 size_t haft_parts_files(const haft_parts *parts);
 size_t haft_parts_found(const haft_parts *parts);
+
+/** How many records it found of realizations that it had found before: the first of each counts. */
+size_t haft_parts_repeated(const haft_parts *parts);
+
+/** How many shards the parts found are split into; 0 where they are not of shards, or of several
+ *  splits. */
+size_t haft_parts_split(const haft_parts *parts);
 bool haft_parts_has(const haft_parts *parts, size_t realization);
 
 /** Reads one realization back; its states too, if they were kept.

@@ -157,6 +157,7 @@ typedef struct haft_run_files {
     const char *laws;    /**< laws.h5: read, or built where its inputs changed */
     const char *results; /**< results.h5 */
     const char *parts;   /**< folder of the realizations of an unfinished run */
+    const char *folder;  /**< the case's, as messages name it */
     /** Writes what lies beside the results, once they are in place and before the parts go: so a
      * run killed in between is resumed. May be NULL. */
     haft_status (*beside)(void *user, const haft_summary *summary, const haft_laws *laws,
@@ -168,6 +169,8 @@ typedef enum haft_run_mode {
     HAFT_RUN_NEW,    /**< nothing of an earlier run may be there */
     HAFT_RUN_ANEW,   /**< replaces what is there */
     HAFT_RUN_RESUME, /**< does what an unfinished run has left to do */
+    HAFT_RUN_MERGE,  /**< makes the results of parts that leave nothing to do, and does nothing else
+                      */
 } haft_run_mode;
 
 /** Runs the realizations of a case over OpenMP threads, and over ranks where there are several: all
@@ -187,15 +190,24 @@ typedef enum haft_run_mode {
  *  n the least multiple of HAFT_STOP_STRIDE from HAFT_STOP_LEAST on for which half the width of the
  *  mean's interval over them is at most that; what was done beyond is dropped.
  *
- *  Stopped through `progress`, it keeps the parts and writes the results done so far as well.
+ *  A shard follows its own realizations and leaves them in parts of its own, which HAFT_RUN_MERGE
+ *  (or RESUME) turns into the same files as a single run's. NEW goes on from the shard's own parts,
+ *  ANEW clears them first. Shards share nothing but the folder of parts, or not even that: parts
+ *  may be copied into one. A shard looks at no stop rule, and a model that its laws are drawn from
+ *  must have been built before.
+ *
+ *  Stopped through `progress`, it keeps the parts and, if no shard, writes the results done so far
+ *  as well.
+ *  @param[in] shard {0} for all realizations; only with NEW and ANEW
  *  @param[out] summary the case's realizations; outcome -1 where one was not run or was dropped;
  *  rank 0's alone
  *  @return HAFT_ERROR_EXISTS if results or parts are there (NEW) or another process is at work on
- *  them; HAFT_ERROR_INPUT if there is nothing to resume, or it belongs to another case, other laws
- *  or another build; HAFT_ERROR_INTERRUPTED if stopped, after writing. After any failure the parts
- *  stay where they hold anything. */
+ *  them; HAFT_ERROR_INPUT if there is nothing to resume or merge, or not all of it to merge (the
+ *  message tells the shards that lack and the command that does them), or it belongs to another
+ *  case, other laws or another build; HAFT_ERROR_INTERRUPTED if stopped, after writing. After any
+ * failure the parts stay where they hold anything. */
 haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_run_files *files,
-                           haft_run_mode mode, const haft_progress *progress,
+                           haft_run_mode mode, haft_shard shard, const haft_progress *progress,
                            haft_error *error) HAFT_MUST_CHECK;
 
 /** A confidence interval; an end that the data do not bound is -INFINITY or INFINITY. */
