@@ -215,7 +215,11 @@ static void write_term(page *p, const haft_budget_term *t, const char *row) {
         page_element(p, "td", NULL, "%+.2f", t->shift * 1e6);
         page_element(p, "td", NULL, "%.2f", t->half_width * 1e6);
         page_element(p, "td", NULL, "%zu", t->beams);
-        page_element(p, "td", NULL, "%.2f", t->cost);
+        if (isfinite(t->cost)) {
+            page_element(p, "td", NULL, "%.2f", t->cost);
+        } else {
+            page_markup(p, "<td></td>");
+        }
     } else {
         page_markup(p, "<td>-</td><td>-</td><td>-</td><td>-</td>");
     }
@@ -257,6 +261,7 @@ static void write_budget(page *p, const source *s) {
     page_element(p, "td", "say", "sizes added, other models left out");
     page_markup(p, "</tr>\n");
     write_term(p, &b->together, "<tr class=\"sum\">");
+    write_term(p, &b->interaction, "<tr>");
     page_markup(p, "</table></div>\n");
     page_element(p, "p", "soft",
                  "± is the half width of a %.4g %% interval of the shift; a shift smaller than it "

@@ -146,6 +146,9 @@ typedef struct haft_budget {
     double total_half_width;   /**< of it, root of the sum of their squares [m] */
     double models;             /**< sum of |shift| over the other models [m] */
     haft_budget_term together; /**< all refinements at once */
+    haft_budget_term
+        interaction; /**< what those change beyond the sum of the refinements one by one, beam by
+                          beam; not measured where a term has other beams on its two sides */
 } haft_budget;
 
 /** Measures the budget of a case's mean crack length: for each approximation the beams 0 to

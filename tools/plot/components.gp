@@ -33,7 +33,7 @@ do for [kind in "png svg"] {
         set rmargin at screen 0.48
         set tmargin at screen 1 - 0.06 - (j - 1)*tall - 0.01
         set bmargin at screen 1 - 0.06 - j*tall + 70.0/(430*rows + 160)
-        set xlabel sprintf("component {/Symbol h}_%d (standard deviations)", j) enhanced
+        set xlabel sprintf("component η_%d (standard deviations)", j) enhanced
         set xrange [*:*]
         if (j == rows) { set key at screen 0.28, 0.42*foot center Left reverse noenhanced maxrows 3 width 1 samplen 2 }
         plot "components.csv" using ($1 == j ? $2 : NaN):3 with points pt 7 ps 0.55*dot lc rgb pale title "vectors, counted", \
@@ -65,8 +65,8 @@ do for [kind in "png svg"] {
         set rmargin at screen 0.985
         set tmargin at screen 1 - 0.06 - p*tall - 0.01
         set bmargin at screen 1 - 0.06 - (p + 1)*tall + 70.0/(430*rows + 160)
-        set xlabel sprintf("component {/Symbol h}_%d (standard deviations)", pair_a(p)) enhanced
-        set ylabel sprintf("component {/Symbol h}_%d (standard deviations)", pair_b(p)) enhanced
+        set xlabel sprintf("component η_%d (standard deviations)", pair_a(p)) enhanced
+        set ylabel sprintf("component η_%d (standard deviations)", pair_b(p)) enhanced
         set xrange [A_min - 0.5:A_max + 0.5]
         set yrange [B_min - 0.5:B_max + 0.5]
         set datafile separator whitespace
