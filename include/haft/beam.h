@@ -42,8 +42,9 @@ typedef enum haft_mesh_kind {
                            the load is on it); sites on that span are left out of the contact */
 } haft_mesh_kind;
 
+/** How a beam is cut into elements, and where its sites and the load are. */
 typedef struct haft_mesh_spec {
-    haft_mesh_kind kind;
+    haft_mesh_kind kind;   /**< where the nodes lie */
     double element_length; /**< [m]; for HAFT_MESH_UNIFORM: divides the length */
     double l_meso;         /**< length of a patch, one site in the middle of each [m] */
     double load_position;  /**< x_P [m], 0 < x_P <= length */
@@ -64,9 +65,9 @@ typedef struct haft_element {
 
 /** A contact site: gap d = gap - sum shape[k] u[dof[k]] over its `terms`. */
 typedef struct haft_site {
-    double x;    /**< position [m] */
-    double area; /**< A_r [m^2] */
-    int dof[HAFT_SPAN];
+    double x;                /**< position [m] */
+    double area;             /**< A_r [m^2] */
+    int dof[HAFT_SPAN];      /**< unknowns that move it, -1 where absent */
     double shape[HAFT_SPAN]; /**< [m] a unit of each unknown */
     int terms; /**< set by haft_model_create(), which puts those that count in front */
 } haft_site;
@@ -79,19 +80,19 @@ typedef struct haft_layout haft_layout;
  *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
  *  node's own element length. `scale[i]` takes unknown i to metres or radians. */
 typedef struct haft_model {
-    size_t dofs;
-    double *scale;
-    double energy_unit; /**< [J] */
-    double gap;         /**< [m] */
-    size_t elements;
-    haft_element *element;
-    size_t sites;
-    size_t inert;    /**< how many of the first take no part: they are to stay out of reach */
-    haft_site *site; /**< in order of x */
-    haft_site load;  /**< where the load acts; its area is unused */
-    size_t nodes;    /**< 0 for a structure that is no beam */
-    double *node_x;  /**< [m] */
-    size_t nonzeros;
+    size_t dofs;           /**< unknowns */
+    double *scale;         /**< dofs: [m] or [rad] a unit of each unknown */
+    double energy_unit;    /**< [J] */
+    double gap;            /**< [m] */
+    size_t elements;       /**< of the beam */
+    haft_element *element; /**< elements, in order of x */
+    size_t sites;          /**< where laws act */
+    size_t inert;          /**< how many of the first take no part: they are to stay out of reach */
+    haft_site *site;       /**< in order of x */
+    haft_site load;        /**< where the load acts; its area is unused */
+    size_t nodes;          /**< 0 for a structure that is no beam */
+    double *node_x;        /**< [m] */
+    size_t nonzeros;       /**< entries of the Hessian's pattern */
     int *column;         /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
     int *row;            /**< and rows, sorted */
     double *stiffness;   /**< K in that pattern, in units of energy */
@@ -113,18 +114,24 @@ haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
 /** A structure put together by hand, for other mechanics and for tests: elements, sites and load in
  *  scaled unknowns as described above; every array is copied. */
 typedef struct haft_model_parts {
-    size_t dofs;
-    const double *scale; /**< NULL: all 1 */
-    double energy_unit, gap;
-    size_t elements;
-    const haft_element *element;
-    size_t sites;
-    size_t inert; /**< sites, from the first, that take no part in the contact */
-    const haft_site *site;
-    haft_site load;
+    size_t dofs;                 /**< unknowns */
+    const double *scale;         /**< dofs; NULL: all 1 */
+    double energy_unit;          /**< [J] */
+    double gap;                  /**< of every site where nothing is displaced [m] */
+    size_t elements;             /**< how many */
+    const haft_element *element; /**< elements */
+    size_t sites;                /**< how many */
+    size_t inert;                /**< sites, from the first, that take no part in the contact */
+    const haft_site *site;       /**< sites, in order of x */
+    haft_site load;              /**< where the load acts; its area is unused */
 } haft_model_parts;
+
+/** Makes the structure: the pattern of its Hessian, K and M in it.
+ *  @return HAFT_ERROR_ARGUMENT for parts that do not fit together; HAFT_ERROR_MEMORY. */
 haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
                               haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a model and sets the pointer to NULL; NULL is allowed. */
 void haft_model_destroy(haft_model **model);
 
 /** The two parts of a state's energy [J]. */
@@ -158,6 +165,11 @@ void haft_model_add_forces(const haft_model *model, const double *force, double 
 
 /** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy and
  *  the Hessian in the model's pattern. Inert sites are passed over.
+ *  @param[in] model the structure
+ *  @param[in] u [dofs] state, scaled unknowns
+ *  @param[in] load P [N]
+ *  @param[out] gradient [dofs]; may be NULL
+ *  @param[out] hessian [nonzeros]; may be NULL
  *  @param[in] laws one a site
  *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
  *  rounding error is measured against. Thread-safe. */
