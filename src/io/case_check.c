@@ -284,10 +284,11 @@ static void check_chaos(haft_case_reader *reader) {
     if (!haft_case_is_sound(reader, "law.sampler") || !haft_sampler_is_stochastic(c->law.sampler)) {
         return;
     }
-    if (haft_case_is_sound(reader, "law.kind") && c->law.kind == HAFT_LAW_TABLE) {
+    if (haft_case_is_sound(reader, "law.kind") && c->law.kind == HAFT_LAW_TABLE &&
+        c->law.sampler != HAFT_SAMPLER_BOOTSTRAP) {
         WRONG(reader, "law.kind",
-              "table needs curves, and a stochastic sampler draws law vectors; give morse, or "
-              "law.sampler: explicit");
+              "table needs curves, and this stochastic sampler draws law vectors; give morse, or "
+              "law.sampler: bootstrap, which draws patches, or explicit");
     }
     size_t order = c->law.chaos.spec.order, points = c->law.chaos.spec.points;
     if (haft_case_is_sound(reader, "law.chaos.points") &&
