@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Laws evaluated many at a time against each by itself. */
+/* What a beam asks of many laws: their values at once, how far they reach. */
 #include "check.h"
 #include "haft/law.h"
 
@@ -59,7 +59,37 @@ static void rows_give_the_same_bits(void **state) {
     haft_law_table_destroy(&table);
 }
 
+/* Against a search from the far end, on rugged curves and every share. */
+static void a_tables_reach_is_its_last_crossing(void **state) {
+    (void)state;
+    enum { N = 300 };
+    for (uint64_t curve = 0; curve < 20; curve++) {
+        double d[N], f[N], pull = 0;
+        haft_random_normals((haft_random_key){11, HAFT_RANDOM_TEST}, 0, curve, 0, N, f);
+        for (size_t i = 0; i < N; i++) {
+            d[i] = (double)i;
+            f[i] = i == 0 ? 9 : (f[i] - 0.8) * (1 - (double)i / (N - 1));
+            pull = fmax(pull, -f[i]);
+        }
+        haft_law_table *table = NULL;
+        haft_error error = {0};
+        check_ok(haft_law_table_create(&table, N, d, f, &error), error);
+        haft_law law = haft_law_from_table(table);
+        for (double share = 0.005; share < 1; share += 0.0199) {
+            size_t i = N - 1;
+            while (f[i] > -share * pull) {
+                i--;
+            }
+            double reach = haft_law_reach(&law, share);
+            assert_true(reach >= d[i] && reach <= d[i + 1]);
+            check_near(haft_law_evaluate(&law, reach).force, -share * pull, 1e-12 * pull);
+        }
+        haft_law_table_destroy(&table);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rows_give_the_same_bits)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rows_give_the_same_bits),
+                                       cmocka_unit_test(a_tables_reach_is_its_last_crossing)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
