@@ -42,7 +42,6 @@ haft_law_fault haft_law_morse(haft_law *out, const haft_law_vector *vector, doub
         .wall_force = limit,
         .wall_slope = slope,
         .wall_potential = v.f_max * (rise * (rise - 2) / (2 * left) - 1.5 / right),
-        .end = INFINITY,
     };
     return HAFT_LAW_SOUND;
 }

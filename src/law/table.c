@@ -174,7 +174,6 @@ haft_law haft_law_from_table(const haft_law_table *table) {
                       .wall_force = p->cubic.c[0],
                       .wall_slope = p->cubic.c[1],
                       .wall_potential = p->potential,
-                      .end = table->last,
                       .table = table};
 }
 

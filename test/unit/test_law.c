@@ -319,36 +319,6 @@ static void energy_is_that_of_all_wells(void **state) {
     assert_true(v.e == haft_law_energy(N, d, near));
 }
 
-/* Against a search from the far end, on rugged curves and every share. */
-static void a_tables_reach_is_its_last_crossing(void **state) {
-    (void)state;
-    enum { N = 300 };
-    for (uint64_t curve = 0; curve < 20; curve++) {
-        double d[N], f[N], pull = 0;
-        haft_random_normals((haft_random_key){11, HAFT_RANDOM_TEST}, 0, curve, 0, N, f);
-        for (size_t i = 0; i < N; i++) {
-            d[i] = (double)i;
-            f[i] = i == 0 ? 9 : (f[i] - 0.8) * (1 - (double)i / (N - 1));
-            pull = fmax(pull, -f[i]);
-        }
-        haft_law_table *table = NULL;
-        haft_error error = {0};
-        check_ok(haft_law_table_create(&table, N, d, f, &error), error);
-        haft_law law = haft_law_from_table(table);
-        for (double share = 0.005; share < 1; share += 0.0199) {
-            size_t i = N - 1;
-            while (f[i] > -share * pull) {
-                i--;
-            }
-            double reach = haft_law_reach(&law, share);
-            assert_true(reach >= d[i] && reach <= d[i + 1]);
-            check_near(haft_law_evaluate(&law, reach).force, -share * pull, 1e-12 * pull);
-        }
-        assert_true(law.end == d[N - 1] && haft_law_evaluate(&law, law.end).force == 0);
-        haft_law_table_destroy(&table);
-    }
-}
-
 static void reach_inverts_the_pull(void **state) {
     (void)state;
     haft_law law = typical();
@@ -562,7 +532,6 @@ int main(void) {
         cmocka_unit_test(a_limit_may_be_a_share_of_the_pull),
         cmocka_unit_test(misfit_is_the_energy_out_of_place),
         cmocka_unit_test(energy_is_that_of_all_wells),
-        cmocka_unit_test(a_tables_reach_is_its_last_crossing),
         cmocka_unit_test(reach_inverts_the_pull),
         cmocka_unit_test(a_table_passes_through_its_points_monotonely),
         cmocka_unit_test(a_tables_derivatives_agree),
