@@ -67,18 +67,23 @@ static void print_vectors(const haft_laws *laws) {
     print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
 }
 
-/* What the Morse laws leave of those curves that are kept; nothing where vectors came without. */
-static void print_misfit(const haft_laws *laws) {
-    spread misfit = {0};
+/* The pull of those curves that are kept, Morse law or not, and what the Morse laws leave of it;
+ * nothing where vectors came without. */
+static void print_curves(const haft_laws *laws) {
+    spread misfit = {0}, energy = {0};
     for (size_t k = 0; k < laws->m; k++) {
         const double *curve = haft_laws_curve(laws, k);
         haft_law law;
+        if (curve != NULL) {
+            take(&energy, haft_law_energy(laws->n, laws->distance, curve));
+        }
         if (curve != NULL && laws->fault[k] == HAFT_LAW_SOUND &&
             haft_law_morse(&law, &laws->vector[k], laws->f_limit) == HAFT_LAW_SOUND) {
             take(&misfit, haft_law_misfit(&law, laws->n, laws->distance, curve));
         }
     }
     if (laws->n > 0) {
+        print_spread("energy of all curves [mJ/m2]", energy, 1e3, NULL);
         print_spread("misfit of the Morse law [%]", misfit, 100, NULL);
     }
 }
@@ -134,7 +139,7 @@ static void print_chaos(const haft_laws *laws) {
 
 void print_laws(const haft_laws *laws, const haft_case *c) {
     printf("%zu laws", laws->m);
-    if (laws->chaos == NULL) {
+    if (!haft_sampler_is_stochastic(c->law.sampler)) {
         printf(", %zu a beam", laws->sites);
         if (laws->first_site > 0) {
             printf(" (the first %zu sites never come into range)", laws->first_site);
@@ -152,7 +157,7 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
         printf(", vectors alone\n");
     }
     print_vectors(laws);
-    print_misfit(laws);
+    print_curves(laws);
     size_t count[HAFT_LAW_FAULTS];
     haft_study_count_faults(laws, count);
     printf("  Morse law fits %zu of %zu", count[HAFT_LAW_SOUND], laws->m);

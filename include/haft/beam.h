@@ -72,6 +72,9 @@ typedef struct haft_site {
     int terms; /**< set by haft_model_create(), which puts those that count in front */
 } haft_site;
 
+/** The room's own order of a model's sites. */
+typedef struct haft_layout haft_layout;
+
 /** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
  *
  *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
@@ -90,12 +93,13 @@ typedef struct haft_model {
     size_t nodes;          /**< 0 for a structure that is no beam */
     double *node_x;        /**< [m] */
     size_t nonzeros;       /**< entries of the Hessian's pattern */
-    int *column;       /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
-    int *row;          /**< and rows, sorted */
-    double *stiffness; /**< K in that pattern, in units of energy */
-    double *mass;      /**< M in that pattern: integral of w^2 / (h^2 L) */
-    int *element_slot; /**< place of each of an element's 16 entries in the pattern, -1 if none */
-    int *site_slot;    /**< and of a site's */
+    int *column;         /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
+    int *row;            /**< and rows, sorted */
+    double *stiffness;   /**< K in that pattern, in units of energy */
+    double *mass;        /**< M in that pattern: integral of w^2 / (h^2 L) */
+    int *element_slot;   /**< place of each of an element's 16 entries in the pattern, -1 if none */
+    int *site_slot;      /**< and of a site's */
+    haft_layout *layout; /**< the sites once more, laid out for evaluation */
 } haft_model;
 
 /** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
@@ -150,6 +154,15 @@ static inline double haft_model_displacement(const haft_site *site, const double
 /** Gaps d[sites] of a state [m]. Thread-safe. */
 void haft_model_gaps(const haft_model *model, const double *u, double *d);
 
+/** Displacements of all sites but the inert ones, those of haft_model_displacement() to the bit.
+ *  @param[out] w haft_law_lanes(sites) [m]; inert sites' are left alone, those from `sites` on are
+ *  set to 0. Thread-safe. */
+void haft_model_displacements(const haft_model *model, const double *v, double *w);
+
+/** y[dofs] += sum over all sites but the inert ones of force[r] times the shape functions of site
+ *  r: forces along displacements, in units of energy a metre. Thread-safe. */
+void haft_model_add_forces(const haft_model *model, const double *force, double *y);
+
 /** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy and
  *  the Hessian in the model's pattern. Inert sites are passed over.
  *  @param[in] model the structure
@@ -160,13 +173,13 @@ void haft_model_gaps(const haft_model *model, const double *u, double *d);
  *  @param[in] laws one a site
  *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
  *  rounding error is measured against. Thread-safe. */
-haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, const double *u,
+haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
                                 double load, double *gradient, double *hessian,
                                 double *force_scale);
 
 /** Each site's part in the Hessian at a state, -A_r f'_r(d_r) in units of energy a square metre,
  * for haft_model_multiply(). Thread-safe. */
-void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, const double *u,
+void haft_model_site_stiffness(const haft_model *model, const haft_law_rows *laws, const double *u,
                                double *site_stiffness);
 
 /** y = H x, strain through the deformation modes and contact site by site: where elements are short
@@ -178,11 +191,11 @@ void haft_model_multiply(const haft_model *model, const double *site_stiffness, 
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
                       double *rotation);
 
-/** Length from the clamp to the first point where the attraction of the patch above it is felt:
- *  d(x) <= haft_law_reach(law, share), found in the beam's own cubic shape to round-off.
+/** Length from the clamp to the first point where the attraction of the patch above it is felt,
+ *  d(x) <= reach[r], found in the beam's own cubic shape to round-off.
+ *  @param[in] reach one a site [m]: haft_law_reach(law, share) of its law
  *  @return the model's length if the beam touches nowhere (then it is free). Thread-safe. */
-double haft_model_crack_length(const haft_model *model, const haft_law *laws, const double *u,
-                               double share);
+double haft_model_crack_length(const haft_model *model, const double *reach, const double *u);
 
 #ifdef __cplusplus
 }

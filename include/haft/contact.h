@@ -226,6 +226,15 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
                                const double *z, size_t rows, size_t columns, double step,
                                haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;
 
+/** Whether van der Waals forces can be computed of every asperity that a patch of rows x columns
+ *  points can have, as haft_contact_curve() asks: radii from a thousandth of a step, which no
+ *  sampled asperity has, to a thousand diagonals, which stand for flat.
+ *  @param[in] modulus equivalent modulus [Pa], > 0
+ *  @return HAFT_ERROR_INPUT if a lambda is out of the table's bounds. Thread-safe. */
+haft_status haft_contact_check_spheres(const haft_vdw *vdw, double modulus, double rows,
+                                       double columns, double step,
+                                       haft_error *error) HAFT_MUST_CHECK;
+
 /** What a patch looks like where its force vanishes. */
 typedef struct haft_zero_force {
     bool found;          /**< false: no change of sign on the grid */

@@ -63,8 +63,10 @@ typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
 
 /** Who says which forces act. */
 typedef enum haft_forces {
-    HAFT_FORCES_GIVEN, /**< the sections there are: contact.capillary, contact.vdw */
-    HAFT_FORCES_AUTO   /**< the humidity, as in the paper: see haft_case_physics() */
+    HAFT_FORCES_GIVEN,     /**< the sections there are: contact.capillary, contact.vdw */
+    HAFT_FORCES_AUTO,      /**< the humidity, as in the paper: see haft_case_physics() */
+    HAFT_FORCES_CAPILLARY, /**< of the sections there are, the capillary alone */
+    HAFT_FORCES_VDW        /**< van der Waals alone, through what the humidity says */
 } haft_forces;
 
 /** Below this humidity van der Waals forces are counted, if forces are chosen by it. */
@@ -260,7 +262,7 @@ bool haft_case_wants_evidence(const haft_case *c, size_t realization);
 
 /** The forces that act in a case: those with a section of their own, or, if forces are chosen by
  *  humidity, the capillary alone from HAFT_VDW_HUMIDITY up, both below it, van der Waals alone at
- * 0. Source: Hoang et al. (2017), Sec. 5. */
+ * 0; or one of the two, to see what it does by itself. Source: Hoang et al. (2017), Sec. 5. */
 typedef struct haft_physics {
     bool capillary; /**< menisci */
     bool vdw;       /**< van der Waals forces */

@@ -121,6 +121,10 @@ bool haft_study_has_sites(const haft_case *c, const haft_laws *laws, size_t real
 /** Whether they hold them with all the curves that the solver takes. Thread-safe. */
 bool haft_study_has_laws(const haft_case *c, const haft_laws *laws, size_t realization);
 
+/** Whether a case's beams draw patches and take their curves, whatever form these have: a bootstrap
+ *  of tables, which needs patches but no model of them. Thread-safe. */
+bool haft_study_draws_patches(const haft_case *c);
+
 /** A copy of one set of laws, which is a realization's or a model's patches, with such sites and
  *  curves as the case keeps.
  *  @param[out] out the copy; NULL after a failure
@@ -439,6 +443,11 @@ typedef struct haft_variant {
 
 /** Writes sweep.csv, one row a variant: its number, the swept values in SI, and its statistics. */
 haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants, const char *path,
+                                   haft_error *error) HAFT_MUST_CHECK;
+
+/** Writes DIRECTORY/water.csv: Laplace pressure and height of the water between the faces, films
+ *  included, from RH 30 to 99 %, for the liquid of a case that has a capillary. */
+haft_status haft_study_write_water(const haft_case *c, const char *directory,
                                    haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes summary.csv, one row a realization. */

@@ -82,7 +82,8 @@ typedef struct haft_marginal haft_marginal;
 /** The Johnson distribution of a skewness and a kurtosis (3 if normal): unbounded (sinh), bounded
  *  (logistic), lognormal between the two, or normal. Exists for kurtosis > skewness^2 + 1.
  *  @return HAFT_ERROR_INPUT for a pair that no distribution has, or one so near to two points that
- *  no smooth one is meant. Source: Johnson (1949). */
+ *  no smooth one is meant; the message names the nearest kurtosis that can be had with this
+ *  skewness. Source: Johnson (1949). */
 haft_status haft_marginal_johnson(haft_marginal **out, double skewness, double kurtosis,
                                   haft_error *error) HAFT_MUST_CHECK;
 

@@ -63,17 +63,22 @@ static haft_law_vector sample_exact(const haft_chaos *chaos, haft_chaos_work *wo
     return vector_from_eta(chaos, eta);
 }
 
-static size_t draw_index(const haft_chaos *chaos, const stream *s, uint64_t site) {
+static size_t draw_index(const stream *s, uint64_t site, size_t m) {
     double u[N];
     draw_uniforms(s, site, 0, u);
-    size_t k = (size_t)(u[0] * (double)chaos->parts.m);
-    return k < chaos->parts.m ? k : chaos->parts.m - 1;
+    size_t k = (size_t)(u[0] * (double)m);
+    return k < m ? k : m - 1;
+}
+
+size_t haft_chaos_draw_patch(uint64_t seed, uint64_t realization, uint64_t site, size_t m) {
+    stream s = {{seed, HAFT_RANDOM_LAW_SAMPLE}, realization};
+    return draw_index(&s, site, m);
 }
 
 static haft_law_vector sample_kernel(const haft_chaos *chaos, const stream *s, uint64_t site) {
     const haft_chaos_parts *p = &chaos->parts;
     double u[N], eta[N];
-    size_t k = draw_index(chaos, s, site);
+    size_t k = draw_index(s, site, p->m);
     draw_uniforms(s, site, 1, u);
     for (size_t i = 0; i < p->components; i++) {
         eta[p->component_order[i]] =
@@ -107,7 +112,7 @@ haft_status haft_chaos_sample(const haft_chaos *chaos, haft_chaos_work *work,
         return HAFT_OK;
     case HAFT_CHAOS_SAMPLER_BOOTSTRAP:
         for (size_t k = 0; k < n; k++) {
-            vector[k] = chaos->vector[draw_index(chaos, &s, first + k)];
+            vector[k] = chaos->vector[draw_index(&s, first + k, chaos->parts.m)];
         }
         return HAFT_OK;
     case HAFT_CHAOS_SAMPLER_MEAN:

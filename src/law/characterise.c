@@ -28,7 +28,7 @@ static bool rises_again(const double *force, size_t from, size_t to, double barr
 }
 
 /* The integral of the negative part; between two points the cubic changes sign once at most. */
-static double energy(size_t n, const double *distance, const double *force) {
+double haft_law_energy(size_t n, const double *distance, const double *force) {
     double sum = 0;
     for (size_t i = 0; i + 1 < n; i++) {
         haft_hermite cubic = haft_hermite_interval(n, distance, force, i);
@@ -88,7 +88,7 @@ haft_law_fault haft_law_characterise(size_t n, const double *distance, const dou
     if (force[wall] < limit) {
         return HAFT_LAW_RANGE_LEFT;
     }
-    vector->e = energy(n, distance, force);
+    vector->e = haft_law_energy(n, distance, force);
     haft_hermite cubic = haft_hermite_interval(n, distance, force, wall);
     vector->d_limit = distance[wall] + haft_hermite_solve(&cubic, limit);
     return HAFT_LAW_SOUND;

@@ -28,11 +28,13 @@ haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft
 }
 
 /* A model knows nothing of the patches that it was not built from: that must not go unsaid. */
-static void tell_left_out(const haft_laws *laws, const haft_progress *progress) {
+static void tell_left_out(const haft_case *c, const haft_laws *laws,
+                          const haft_progress *progress) {
     size_t count[HAFT_LAW_FAULTS];
     char text[200];
     haft_study_count_faults(laws, count);
-    if (laws->chaos != NULL && count[HAFT_LAW_SOUND] < laws->m) {
+    bool used = laws->chaos != NULL && !haft_study_draws_patches(c);
+    if (used && count[HAFT_LAW_SOUND] < laws->m) {
         snprintf(
             text, sizeof text,
             "%zu of %zu patches have no Morse law and are left out of the model (haft-laws info "
@@ -58,7 +60,7 @@ static haft_status build_model(haft_laws **out, const haft_case *c, const char *
     if (status != HAFT_OK) {
         return status;
     }
-    tell_left_out(*out, progress);
+    tell_left_out(c, *out, progress);
     status = haft_laws_write(*out, c, path, error);
     if (status != HAFT_OK) {
         haft_laws_destroy(out);
@@ -80,11 +82,13 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
         return status;
     }
     tell_forces(c, progress);
-    if (there && strcmp(found, digest) == 0 && drawn == ((*out)->chaos != NULL)) {
+    bool model = drawn && !haft_study_draws_patches(c);
+    if (there && strcmp(found, digest) == 0 && (drawn || (*out)->chaos == NULL) &&
+        (!model || (*out)->chaos != NULL)) {
         tell(progress, (*out)->origin[0] != '\0'
                            ? "the laws were fitted to a table of vectors: reading them"
                            : "the laws were built from the same inputs: reading them");
-        tell_left_out(*out, progress);
+        tell_left_out(c, *out, progress);
         return HAFT_OK;
     }
     status = haft_laws_identify(digest, c, "", error);

@@ -67,6 +67,21 @@ static haft_status draw_laws(haft_site_laws *s, const haft_case *c, const haft_l
     return status;
 }
 
+bool haft_study_draws_patches(const haft_case *c) {
+    return c->law.sampler == HAFT_SAMPLER_BOOTSTRAP && c->law.kind == HAFT_LAW_TABLE;
+}
+
+/* The patches' own curves, drawn: of all of them, whether a Morse law would fit or not. */
+static haft_status draw_patches(haft_site_laws *s, const haft_case *c, const haft_laws *laws,
+                                size_t realization, haft_error *error) {
+    haft_status status = HAFT_OK;
+    for (size_t r = 0; r < s->sites && status == HAFT_OK; r++) {
+        size_t k = haft_chaos_draw_patch(c->seed, realization, r, laws->m);
+        status = make_law(s, c, laws, r, k, error);
+    }
+    return status;
+}
+
 /* Sites before the zone have no laws: the one in the zone that reaches farthest stands in for them,
  * to tell whether they stay out of reach. */
 static void stand_in(haft_site_laws *s, size_t first) {
@@ -140,8 +155,8 @@ haft_status haft_study_take_laws(haft_laws **out, const haft_case *c, const haft
     if (keep == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    bool all =
-        c->curves == HAFT_CURVES_ALL || (!stochastic && haft_case_wants_evidence(c, realization));
+    bool all = c->curves == HAFT_CURVES_ALL || c->law.kind == HAFT_LAW_TABLE ||
+               (!stochastic && haft_case_wants_evidence(c, realization));
     for (size_t i = 0; i < count; i++) {
         haft_law_fault fault = laws->fault[set * laws->sites + first + i];
         keep[i] = all || (!stochastic && takes_curve(c, fault));
@@ -160,14 +175,16 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
     if (s == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    bool drawn = haft_sampler_is_stochastic(c->law.sampler);
+    bool drawn = haft_sampler_is_stochastic(c->law.sampler), patches = haft_study_draws_patches(c);
     s->sites = haft_study_sites(c);
     s->law = haft_memory_alloc(s->sites, sizeof *s->law, error);
     s->table = haft_memory_alloc(s->sites, sizeof *s->table, error);
     s->vector = haft_memory_alloc(s->sites, sizeof *s->vector, error);
     haft_status status = s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
-        status = (drawn ? draw_laws : use_laws)(s, c, laws, realization, error);
+        status = (!drawn    ? use_laws
+                  : patches ? draw_patches
+                            : draw_laws)(s, c, laws, realization, error);
     }
     if (status != HAFT_OK) {
         haft_site_laws_destroy(&s);

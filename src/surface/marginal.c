@@ -15,6 +15,7 @@
 enum { HEIGHTS_LEAST = 100, HALVINGS = 80, SUM_POINTS = 1801 };
 static const double SUM_REACH = 9;
 static const double LEAST_SPREAD = 0.05; /* of the bounded kind: sharper ones are two points */
+static const double SKEWNESS_MOST = 20, KURTOSIS_MOST = 2000;
 static const double TAIL = 0.01;
 
 /* ---- the table ---- */
@@ -264,15 +265,42 @@ static bool fill_johnson(haft_marginal *m, double skewness, double kurtosis) {
     return true;
 }
 
+/* The flattest pair of a skewness that the bounded kind is made for, rounded up to four digits. */
+static double least_kurtosis(double skewness) {
+    double s = fabs(skewness),
+           k = bounded_shape(LEAST_SPREAD, find_shift(LEAST_SPREAD, s)).kurtosis;
+    double unit = pow(10, floor(log10(k)) - 3);
+    return ceil(k / unit) * unit;
+}
+
+static haft_status refuse_pair(double skewness, double kurtosis, haft_error *error) {
+    if (!(fabs(skewness) <= SKEWNESS_MOST)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "a skewness of %g with a kurtosis of %g: the skewness must be from "
+                              "-%g to %g",
+                              skewness, kurtosis, SKEWNESS_MOST, SKEWNESS_MOST);
+    }
+    if (kurtosis > KURTOSIS_MOST) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "a skewness of %g with a kurtosis of %g: the nearest kurtosis that "
+                              "can be had is %g",
+                              skewness, kurtosis, KURTOSIS_MOST);
+    }
+    double bound = skewness * skewness + 1;
+    return haft_error_set(error, HAFT_ERROR_INPUT,
+                          "%s a skewness of %g with a kurtosis of %g: two heights alone have "
+                          "skewness^2 + 1 = %g, all others more; the nearest kurtosis that can be "
+                          "had is %.4g",
+                          kurtosis > bound ? "no smooth distribution has" : "no distribution has",
+                          skewness, kurtosis, bound, least_kurtosis(skewness));
+}
+
 haft_status haft_marginal_johnson(haft_marginal **out, double skewness, double kurtosis,
                                   haft_error *error) {
     *out = NULL;
-    double bound = skewness * skewness + 1;
-    if (!(fabs(skewness) <= 20) || !(kurtosis <= 2000) || !(kurtosis > bound)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "no distribution has a skewness of %g with a kurtosis of %g: the "
-                              "kurtosis must be above skewness^2 + 1 = %g (and below 2000)",
-                              skewness, kurtosis, bound);
+    if (!(fabs(skewness) <= SKEWNESS_MOST) || !(kurtosis <= KURTOSIS_MOST) ||
+        !(kurtosis > skewness * skewness + 1)) {
+        return refuse_pair(skewness, kurtosis, error);
     }
     haft_marginal *m = haft_memory_alloc(1, sizeof *m, error);
     if (m == NULL) {
@@ -280,10 +308,7 @@ haft_status haft_marginal_johnson(haft_marginal **out, double skewness, double k
     }
     if (!fill_johnson(m, skewness, kurtosis) || !standardise(m)) {
         haft_memory_free(m);
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "a skewness of %g with a kurtosis of %g is too near to two heights "
-                              "alone (%g); give a higher kurtosis",
-                              skewness, kurtosis, bound);
+        return refuse_pair(skewness, kurtosis, error);
     }
     fill_slopes(m);
     fill_energy(m);

@@ -7,9 +7,10 @@
  *
  * All of it lives on a periodic lattice fine enough for twice the band and large against the
  * longest waves, a quarter of the plane by cosine transforms: on it every step but the series' end
- * is exact. The underlying PSD is kept by points, as the generator takes it. Limits: what q adds
- * beyond the band is no longer the band's, and where it exceeds the wanted PSD inside, no
- * underlying PSD can take it away; both are reported. */
+ * is exact. What is iterated is the correction, a smooth factor by points; the underlying PSD is
+ * the wanted one times that, with all its corners. Limits: what q adds beyond the band is no longer
+ * the band's, and where it exceeds the wanted PSD inside, no underlying PSD can take it away; both
+ * are reported. */
 #include "surface/marginal.h"
 #include "surface/radial.h"
 
@@ -93,13 +94,14 @@ static haft_status create_lattice(lattice *l, const surface_radial *wanted, haft
                                             "FFTW makes no cosine transform of %d x %d", n, n);
 }
 
-/* Points from the longest wave to zeta_max, and which mode is nearest to which. */
-static void lay_out(lattice *l, const surface_radial *wanted, haft_psd_table *table) {
+/* Points from the longest wave to zeta_max with a factor of 1, and which mode is nearest to which.
+ */
+static void lay_out(lattice *l, const surface_radial *wanted, haft_psd_table *factor) {
     double low = fmin(l->cell, wanted->psd.zeta_0), high = wanted->psd.zeta_max, sum = 0;
     double per_ratio = (NODES - 1) / log(high / low);
     for (size_t k = 0; k < NODES; k++) {
-        table->zeta[k] = k + 1 < NODES ? low * exp((double)k / per_ratio) : high;
-        table->s[k] = haft_surface_radial_value(wanted, table->zeta[k]);
+        factor->zeta[k] = k + 1 < NODES ? low * exp((double)k / per_ratio) : high;
+        factor->s[k] = 1;
     }
     for (size_t i = 0; i <= l->half; i++) {
         for (size_t j = 0; j <= l->half; j++) {
@@ -120,13 +122,14 @@ static void lay_out(lattice *l, const surface_radial *wanted, haft_psd_table *ta
 }
 
 /* PSD of q(g), of variance 1, into l->field. */
-static void go_round(lattice *l, const haft_psd_table *table, const haft_marginal *marginal) {
+static void go_round(lattice *l, const haft_psd_table *factor, const haft_marginal *marginal) {
     double sum = 0;
     for (size_t i = 0; i <= l->half; i++) {
         for (size_t j = 0; j <= l->half; j++) {
             size_t at = i * (l->half + 1) + j;
             double zeta = l->cell * hypot((double)i, (double)j);
-            l->field[at] = l->ring[at] >= 0 ? haft_psd_table_value(table, zeta) : 0;
+            l->field[at] =
+                l->ring[at] >= 0 ? l->wanted[at] * haft_psd_table_value(factor, zeta) : 0;
             sum += l->weight[at] * l->field[at];
         }
     }
@@ -145,7 +148,7 @@ static void go_round(lattice *l, const haft_psd_table *table, const haft_margina
 }
 
 /* Ring sums, and the largest error of the shape inside the band; *beyond: share outside. */
-static double judge(const lattice *l, const haft_psd_table *table, ring_sums *sums,
+static double judge(const lattice *l, const haft_psd_table *factor, ring_sums *sums,
                     double *beyond) {
     *sums = (ring_sums){.is = {0}};
     double inside = 0, worst = 0;
@@ -162,22 +165,52 @@ static double judge(const lattice *l, const haft_psd_table *table, ring_sums *su
         if (sums->wanted[k] > 0) {
             sums->is[k] /= inside;
             double error = fabs(sums->is[k] / sums->wanted[k] - 1);
-            worst = table->zeta[k] < JUDGED * table->zeta[NODES - 1] ? fmax(worst, error) : worst;
+            worst = factor->zeta[k] < JUDGED * factor->zeta[NODES - 1] ? fmax(worst, error) : worst;
         }
     }
     return worst;
 }
 
 /* Multiplies each point by what its ring lacks; rings without a mode follow the next above. */
-static void correct(haft_psd_table *table, const ring_sums *sums) {
+static void correct(haft_psd_table *factor, const ring_sums *sums) {
     double ratio = 1;
     for (size_t k = NODES; k-- > 0;) {
         if (sums->wanted[k] > 0) {
             double is = fmax(sums->is[k], sums->wanted[k] / STRONGEST);
             ratio = fmax(1 / STRONGEST, sums->wanted[k] / is);
         }
-        table->s[k] *= ratio;
+        factor->s[k] *= ratio;
     }
+}
+
+/* The product, of a variance: at the factor's points and the corners of the wanted PSD, between
+ * which both are powers. */
+static haft_status multiply(haft_psd_table **out, const haft_psd_table *factor,
+                            const surface_radial *wanted, haft_error *error) {
+    size_t corners = wanted->table != NULL ? wanted->table->n : 1, a = 0, b = 0, n = 0;
+    const double *corner = wanted->table != NULL ? wanted->table->zeta : &wanted->psd.zeta_0;
+    haft_psd_table *table = NULL;
+    haft_status status = haft_psd_table_create(&table, factor->n + corners, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    while (a < factor->n || b < corners) {
+        double x = a < factor->n ? factor->zeta[a] : INFINITY;
+        double y = b < corners ? corner[b] : INFINITY;
+        double zeta = fmin(x, y);
+        a += x <= y;
+        b += y <= x;
+        table->zeta[n] = zeta;
+        table->s[n++] =
+            haft_surface_radial_value(wanted, zeta) * haft_psd_table_value(factor, zeta);
+    }
+    table->n = n;
+    double scale = haft_surface_radial_variance(wanted) / haft_psd_table_get_moments(table).m0;
+    for (size_t k = 0; k < n; k++) {
+        table->s[k] *= scale;
+    }
+    *out = table;
+    return HAFT_OK;
 }
 
 haft_status haft_surface_translate(haft_psd_table **out, const surface_radial *wanted,
@@ -185,35 +218,32 @@ haft_status haft_surface_translate(haft_psd_table **out, const surface_radial *w
                                    haft_error *error) {
     lattice l = {.plan = NULL};
     double best[NODES], least = INFINITY;
-    haft_psd_table *table = NULL;
+    haft_psd_table *factor = NULL;
+    *out = NULL;
     haft_status status = create_lattice(&l, wanted, error);
     if (status == HAFT_OK) {
-        status = haft_psd_table_create(&table, NODES, error);
+        status = haft_psd_table_create(&factor, NODES, error);
     }
     if (status == HAFT_OK) {
-        lay_out(&l, wanted, table);
+        lay_out(&l, wanted, factor);
         for (int round = 0; round < ROUNDS && least > ENOUGH; round++) {
             ring_sums sums;
             double beyond;
-            go_round(&l, table, marginal);
-            double worst = judge(&l, table, &sums, &beyond);
+            go_round(&l, factor, marginal);
+            double worst = judge(&l, factor, &sums, &beyond);
             if (worst < least) {
                 least = worst;
-                memcpy(best, table->s, sizeof best);
+                memcpy(best, factor->s, sizeof best);
                 facts->beyond = fmax(0, beyond);
             }
-            correct(table, &sums);
+            correct(factor, &sums);
         }
-        memcpy(table->s, best, sizeof best);
-        double variance = haft_surface_radial_variance(wanted);
-        double factor = variance / haft_psd_table_get_moments(table).m0;
-        for (size_t k = 0; k < NODES; k++) {
-            table->s[k] *= factor;
-        }
+        memcpy(factor->s, best, sizeof best);
         facts->psd_error = least;
-        facts->deviation = sqrt(variance / (1 - facts->beyond));
+        facts->deviation = sqrt(haft_surface_radial_variance(wanted) / (1 - facts->beyond));
+        status = multiply(out, factor, wanted, error);
     }
     destroy_lattice(&l);
-    *out = table;
+    haft_psd_table_destroy(&factor);
     return status;
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The self-affine PSD: moments against adaptive quadrature, the published surfaces' numbers. */
+/* The self-affine PSD: moments against adaptive quadrature, the published surfaces' numbers. And
+ * the correlation that a marginal makes of the Gaussian one. */
 #include "check.h"
 
 #include "haft/surface.h"
+#include "surface/marginal.h"
 
 #include <gsl/gsl_integration.h>
 
@@ -148,6 +150,41 @@ static void bad_parameters_are_named(void **state) {
     check_ok(haft_psd_check(&PUBLISHED[1], &error), error);
 }
 
+/* E[q(g) q(g')] by the trapezoidal rule over the plane of independent normal numbers. */
+static double correlation_by_integral(const haft_marginal *m, double rho) {
+    const double h = 0.04, reach = 7.2;
+    double sum = 0, weight = 0, root = sqrt(1 - rho * rho);
+    for (double x = -reach; x <= reach; x += h) {
+        double first = haft_marginal_value(m, x);
+        for (double y = -reach; y <= reach; y += h) {
+            double w = exp(-0.5 * (x * x + y * y));
+            sum += w * first * haft_marginal_value(m, rho * x + root * y);
+            weight += w;
+        }
+    }
+    return sum / weight;
+}
+
+static void correlations_are_double_integrals(void **state) {
+    (void)state;
+    static const double pairs[][2] = {{0.545, 3.38}, {-1, 4}, {0, 2}, {1, 5}, {2, 9}, {0, 8}};
+    static const double rho[] = {-0.9, -0.3, 0.1, 0.5, 0.8, 0.95, 0.999, 1};
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
+        haft_marginal *m = NULL;
+        haft_error error = {0};
+        double worst = 0;
+        check_ok(haft_marginal_johnson(&m, pairs[k][0], pairs[k][1], &error), error);
+        for (size_t i = 0; i < sizeof rho / sizeof *rho; i++) {
+            double integral = correlation_by_integral(m, rho[i]);
+            worst = fmax(worst, fabs(haft_marginal_correlation(m, rho[i]) - integral));
+        }
+        print_message("skewness %g, kurtosis %g: series and integral differ by %.1e at most\n",
+                      pairs[k][0], pairs[k][1], worst);
+        check_less(worst, 1e-7);
+        haft_marginal_destroy(&m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moments_are_integrals),
@@ -155,6 +192,7 @@ int main(void) {
         cmocka_unit_test(published_parameters_give_published_roughness),
         cmocka_unit_test(published_moments_give_published_asperities),
         cmocka_unit_test(bad_parameters_are_named),
+        cmocka_unit_test(correlations_are_double_integrals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

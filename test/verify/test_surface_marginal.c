@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Non-Gaussian surfaces: distributions against closed forms, generated moments within sampling
- * error, radial PSD within 2 %, and the Gaussian surface as their limit. */
+ * error, radial PSD within their scatter, and the Gaussian surface as their limit. */
 #include "check.h"
 
 #include "haft/surface_map.h"
@@ -90,14 +90,35 @@ static void lognormal_is_lognormal(void **state) {
     haft_marginal_destroy(&m);
 }
 
+/* Each is refused, and what the message names instead is taken, and is the nearest: a kurtosis
+ * lower by a two-hundredth is refused again. */
 static void impossible_pairs_are_refused(void **state) {
     (void)state;
-    static const double pairs[][2] = {{0, 1},   {0, 0.5}, {2, 5},        {-2, 4.9},
-                                      {NAN, 3}, {0, NAN}, {1, INFINITY}, {0, 1.001}};
+    static const double pairs[][2] = {{0, 1},      {0, 0.5},   {2, 5},       {-2, 4.9},
+                                      {0, 1.001},  {3, 10.01}, {-3, -7},     {20, 3},
+                                      {0.5, 2001}, {-1, 1e9},  {0, INFINITY}};
     for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
         haft_marginal *m = NULL;
         haft_error error = {0};
         assert_int_equal(haft_marginal_johnson(&m, pairs[k][0], pairs[k][1], &error),
+                         HAFT_ERROR_INPUT);
+        assert_null(m);
+        const char *named = strstr(error.message, "can be had is ");
+        assert_non_null(named);
+        double nearest = strtod(named + strlen("can be had is "), NULL);
+        check_ok(haft_marginal_johnson(&m, pairs[k][0], nearest, &error), error);
+        check_relative(haft_marginal_get_facts(m).kurtosis, nearest, 3e-3); /* of 2000, by tails */
+        haft_marginal_destroy(&m);
+        assert_int_equal(haft_marginal_johnson(&m, pairs[k][0],
+                                               nearest * (pairs[k][1] < nearest ? 0.995 : 1.005),
+                                               &error),
+                         HAFT_ERROR_INPUT);
+    }
+    static const double senseless[][2] = {{NAN, 3}, {0, NAN}, {20.1, 500}, {-INFINITY, 3}};
+    for (size_t k = 0; k < sizeof senseless / sizeof *senseless; k++) {
+        haft_marginal *m = NULL;
+        haft_error error = {0};
+        assert_int_equal(haft_marginal_johnson(&m, senseless[k][0], senseless[k][1], &error),
                          HAFT_ERROR_INPUT);
         assert_non_null(strstr(error.message, "kurtosis"));
         assert_null(m);
@@ -187,8 +208,8 @@ static void the_gaussian_limit_is_the_gaussian_surface(void **state) {
     print_message(
         "rms distance to the Gaussian surface, of its rms: %.2e at skewness 0.02, %.2e at 0.002\n",
         off[0], off[1]);
-    check_less(off[0], 0.02);
-    check_less(off[1], 0.01);
+    check_less(off[0], 0.005);
+    check_less(off[1], 0.15 * off[0]); /* in proportion */
     close_field(&plain);
 }
 
@@ -268,10 +289,12 @@ static void compare(double s[PATCHES][RINGS], double twin[PATCHES][RINGS], const
     }
 }
 
-/* Many independent patches: moments within sampling error, the PSD within 2 % beyond that. */
+/* Many independent patches: moments within sampling error, and the PSD the Gaussian surface's
+ * within the patches' own scatter. (That the PSD is the one asked for is shown without sampling in
+ * test_surface_translation.c.) */
 static void surfaces_have_marginal_and_psd(void **state) {
     (void)state;
-    static const double pairs[][2] = {{0.545, 3.38}, {-0.8, 4}, {0, 2.4}, {1, 5}};
+    static const double pairs[][2] = {{-0.8, 4}, {0, 2.4}};
     static haft_map *maps[PATCHES];
     static double moment[PATCHES][4], twin[PATCHES][RINGS], s[PATCHES][RINGS], zeta[RINGS];
     haft_error error = {0};
@@ -279,7 +302,7 @@ static void surfaces_have_marginal_and_psd(void **state) {
     draw_maps(&gaussian, 1, maps, moment);
     estimate(maps, twin, zeta);
     close_field(&gaussian);
-    for (size_t k = 0; k < 4; k++) {
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
         haft_marginal *m = NULL;
         check_ok(haft_marginal_johnson(&m, pairs[k][0], pairs[k][1], &error), error);
         field f = open_field(&DELRIO, NULL, m, PATCH, 5e-9);
@@ -294,8 +317,8 @@ static void surfaces_have_marginal_and_psd(void **state) {
                       "most, by %.4f "
                       "beyond their errors; %.1e of the variance beyond the band\n",
                       pairs[k][0], pairs[k][1], facts.psd_error, most, beyond, facts.beyond);
-        check_less(facts.psd_error, 0.02);
-        check_less(beyond, 0.02);
+        check_less(facts.psd_error, 0.002);
+        check_less(beyond, 0.005);
         close_field(&f);
         haft_marginal_destroy(&m);
     }
