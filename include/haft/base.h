@@ -25,14 +25,14 @@ extern "C" {
 #define HAFT_MUST_CHECK
 #endif
 
-/* Compiles a function for several widths of vector and chooses when the program starts. Products
+/** Compiles a function for several widths of vector and chooses when the program starts. Products
  * are never fused with sums (-ffp-contract=off), so the bits are the same whichever is chosen. The
  * choice needs glibc's loader, and runs before a sanitizer is set up. */
 #if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&       \
     !defined(__SANITIZE_ADDRESS__)
 #define HAFT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
-#define HAFT_CLONES
+#define HAFT_CLONES /**< nothing, where the choice cannot be made */
 #endif
 
 /** What a fallible function returns; HAFT_OK is 0 and everything else is a failure. */

@@ -155,6 +155,8 @@ static inline double haft_model_displacement(const haft_site *site, const double
 void haft_model_gaps(const haft_model *model, const double *u, double *d);
 
 /** Displacements of all sites but the inert ones, those of haft_model_displacement() to the bit.
+ *  @param[in] model the structure
+ *  @param[in] v dofs scaled unknowns, or a direction in them
  *  @param[out] w haft_law_lanes(sites) [m]; inert sites' are left alone, those from `sites` on are
  *  set to 0. Thread-safe. */
 void haft_model_displacements(const haft_model *model, const double *v, double *w);
@@ -193,7 +195,9 @@ void haft_model_shape(const haft_model *model, const double *u, double x, double
 
 /** Length from the clamp to the first point where the attraction of the patch above it is felt,
  *  d(x) <= reach[r], found in the beam's own cubic shape to round-off.
+ *  @param[in] model the structure
  *  @param[in] reach one a site [m]: haft_law_reach(law, share) of its law
+ *  @param[in] u dofs scaled unknowns
  *  @return the model's length if the beam touches nowhere (then it is free). Thread-safe. */
 double haft_model_crack_length(const haft_model *model, const double *reach, const double *u);
 

@@ -240,8 +240,12 @@ haft_status haft_chaos_sample(const haft_chaos *chaos, haft_chaos_work *work,
                               haft_error *error) HAFT_MUST_CHECK;
 
 /** Which of m patches the bootstrap draws for a site: uniform, and as haft_chaos_sample() depends
- * on seed, realization and site alone. Thread-safe.
- *  @param[in] m > 0 */
+ *  on seed, realization and site alone. Thread-safe.
+ *  @param[in] seed of the study
+ *  @param[in] realization of the beam
+ *  @param[in] site of the beam
+ *  @param[in] m how many patches there are, > 0
+ *  @return one of 0 ... m - 1 */
 size_t haft_chaos_draw_patch(uint64_t seed, uint64_t realization, uint64_t site, size_t m);
 
 /* ---- the basis ---- */

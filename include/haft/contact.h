@@ -229,7 +229,12 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
 /** Whether van der Waals forces can be computed of every asperity that a patch of rows x columns
  *  points can have, as haft_contact_curve() asks: radii from a thousandth of a step, which no
  *  sampled asperity has, to a thousand diagonals, which stand for flat.
+ *  @param[in] vdw the forces
  *  @param[in] modulus equivalent modulus [Pa], > 0
+ *  @param[in] rows points of a patch, > 0; not whole where a patch has a share of a row
+ *  @param[in] columns likewise
+ *  @param[in] step between points [m], > 0
+ *  @param[out] error may be NULL
  *  @return HAFT_ERROR_INPUT if a lambda is out of the table's bounds. Thread-safe. */
 haft_status haft_contact_check_spheres(const haft_vdw *vdw, double modulus, double rows,
                                        double columns, double step,

@@ -142,19 +142,31 @@ static inline size_t haft_law_lanes(size_t n) {
     return (n + 2 * HAFT_LAW_LANES - 1) / HAFT_LAW_LANES * HAFT_LAW_LANES;
 }
 
-/** @param[in] laws n of them; copied, but for their tables */
+/** Lays laws out. A law's tables must outlive the rows.
+ *  @param[out] out the rows, to be destroyed
+ *  @param[in] n how many laws
+ *  @param[in] laws n of them; copied, but for their tables
+ *  @param[out] error may be NULL
+ *  @return HAFT_OK or HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *laws,
                                  haft_error *error) HAFT_MUST_CHECK;
+/** Frees rows and sets the pointer to NULL; NULL is allowed. */
 void haft_law_rows_destroy(haft_law_rows **rows);
 
 /** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. */
 typedef struct haft_law_values {
-    double *force, *slope, *curvature, *potential;
+    double *force;     /**< [Pa] */
+    double *slope;     /**< [Pa/m] */
+    double *curvature; /**< [Pa/m^2] */
+    double *potential; /**< [J/m^2] */
 } haft_law_values;
 
 /** Values of n laws from law `first` on, that of law first + i at gap d[i]: the same bits as
  *  haft_law_evaluate(), in a fraction of the time.
- *  @param[in] d haft_law_lanes(n) gaps; those from n on may be read and must be finite
+ *  @param[in] rows the laws
+ *  @param[in] first the first of them asked for
+ *  @param[in] n how many, first + n at most as many as there are
+ *  @param[in] d haft_law_lanes(n) gaps [m]; those from n on may be read and must be finite
  *  @param[out] out those from n on are of no law. Thread-safe. */
 void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             const haft_law_values *out);
@@ -180,7 +192,9 @@ double haft_law_misfit(const haft_law *law, size_t n, const double *distance, co
 
 /** The energy of a curve's pull, e of haft_law_characterise(), whatever faults the curve has: that
  * of all its wells.
- *  @param[in] distance increasing [m], n >= 2
+ *  @param[in] n points, >= 2
+ *  @param[in] distance n gaps, increasing [m]
+ *  @param[in] force n of them [Pa]
  *  @return [J/m^2], 0 for a curve that never pulls. Thread-safe. */
 double haft_law_energy(size_t n, const double *distance, const double *force);
 
