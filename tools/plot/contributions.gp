@@ -22,7 +22,7 @@ do for [kind in "png svg"] {
     set bmargin at screen 0.23
     set tmargin at screen 0.9
     set xlabel "relative humidity (%)"
-    set ylabel "apparent energy {/Symbol G} (mJ/m²), mean and 5 to 95 % of the beams" offset 1, 0
+    set ylabel "apparent energy Γ (mJ/m²), mean and 5 to 95 % of the beams" offset 1, 0
     set logscale y
     set format y "10^{%L}"
     set key at screen 0.54, 0.06 center Left reverse maxrows 1 width 2

@@ -36,8 +36,8 @@ do for [kind in "png svg"] {
     set yrange [*:*]
     set format y "10^{%L}"
     set key at screen 0.5, 0.1 center Left reverse maxrows 2 width 2
-    set title "apparent energy {/Symbol G}"
-    set ylabel "{/Symbol G} (mJ/m²)" offset 1, 0
+    set title "apparent energy Γ"
+    set ylabel "Γ (mJ/m²)" offset 1, 0
     plot table using (column(2)*100):(gamma(column(at + 4))):(gamma(full(highs))):(gamma(full(lows))) \
              with yerrorbars pt 7 ps 1.1*dot lc rgb pale title "5 to 95 % of the beams", \
          table using (column(2)*100):(gamma(column(at + 4))) with linespoints pt 7 ps 1.1*dot lw 1.6 \
