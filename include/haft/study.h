@@ -327,29 +327,6 @@ typedef struct haft_statistics {
  *  Thread-safe. */
 haft_statistics haft_study_statistics(const haft_case *c, const haft_summary *summary, size_t n);
 
-/** How far the crack lengths of one campaign are from those of another, the reference; of beams
- *  that stuck alone. */
-typedef struct haft_comparison {
-    size_t references;      /**< beams of the reference that stuck */
-    size_t beams;           /**< beams that stuck */
-    double mean_shift;      /**< mean less the reference's [m] */
-    double mean_error;      /**< its standard error [m] */
-    double deviation_shift; /**< standard deviation less the reference's [m] */
-    double deviation_error; /**< its error from fourth moments, for any law [m] */
-    double ks;              /**< Kolmogorov-Smirnov distance */
-    double ks_chance; /**< chance of one as great if the laws are one: haft_study_kolmogorov() */
-    double w1;        /**< Wasserstein-1 distance [m] */
-    double w1_error;  /**< its error by the bootstrap [m] */
-    double
-        w1_by_chance; /**< what it would be on average if the laws were one, by permutation [m] */
-} haft_comparison;
-
-/** Compares two campaigns. 400 rounds of bootstrap and permutation, of a fixed seed: the same every
- *  time. @return HAFT_ERROR_INPUT if fewer than two beams stuck on a side. Thread-safe. */
-haft_status haft_study_compare(haft_comparison *out, const haft_summary *reference,
-                               size_t references, const haft_summary *summary, size_t n,
-                               haft_error *error) HAFT_MUST_CHECK;
-
 /** An expansion of a germ and order, and its errors (haft_chaos_measure(), with 16384 samples; the
  *  relMISE by an independent rule with HAFT_STUDY_MAPS maps). */
 typedef struct haft_order_error {

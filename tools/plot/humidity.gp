@@ -22,7 +22,7 @@ do for [kind in "png svg"] {
     set format y "10^{%L}"
     set key at screen 0.53, 0.075 center Left reverse maxrows 2 width 2
     set title "apparent energy"
-    set ylabel "{/Symbol G} (mJ/m²)" offset 0.5, 0
+    set ylabel "Γ (mJ/m²)" offset 0.5, 0
     plot table using (column(2)*100):(apparent(mean_at)):(apparent(high_at)):(apparent(low_at)) \
              with yerrorbars pt 7 ps 1.1*dot lc rgb pale title "5 to 95 % of the beams", \
          table using (column(2)*100):(apparent(mean_at)) with linespoints pt 7 ps 1.1*dot lw 1.6 \
