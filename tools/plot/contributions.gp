@@ -22,12 +22,8 @@ do for [kind in "png svg"] {
     set bmargin at screen 0.23
     set tmargin at screen 0.91
     set xlabel "relative humidity (%)"
-<<<<<<< HEAD
     set xrange [24:86]
     set ylabel "apparent energy Γ (mJ/m²)" offset 0.5, 0
-=======
-    set ylabel "apparent energy Γ (mJ/m²), mean and 5 to 95 % of the beams" offset 1, 0
->>>>>>> main
     set logscale y
     set format y "10^{%L}"
     set key at screen 0.54, 0.07 center Left reverse maxrows 2 width 2
