@@ -135,8 +135,8 @@ double haft_law_range(const haft_law *law);
  *  @return no finite number for a curve that never pulls. Thread-safe. */
 double haft_law_misfit(const haft_law *law, size_t n, const double *distance, const double *force);
 
-/** The energy of a curve's pull, e of haft_law_characterise(), whatever faults the curve has: that of
- *  all its wells.
+/** The energy of a curve's pull, e of haft_law_characterise(), whatever faults the curve has: that
+ * of all its wells.
  *  @param[in] distance increasing [m], n >= 2
  *  @return [J/m^2], 0 for a curve that never pulls. Thread-safe. */
 double haft_law_energy(size_t n, const double *distance, const double *force);
