@@ -194,8 +194,8 @@ haft_status haft_chaos_sample(const haft_chaos *chaos, haft_chaos_work *work,
                               uint64_t first, size_t n, haft_law_vector *vector,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/** Which of m patches the bootstrap draws for a site: uniform, and as haft_chaos_sample() depends on
- *  seed, realization and site alone. Thread-safe.
+/** Which of m patches the bootstrap draws for a site: uniform, and as haft_chaos_sample() depends
+ * on seed, realization and site alone. Thread-safe.
  *  @param[in] m > 0 */
 size_t haft_chaos_draw_patch(uint64_t seed, uint64_t realization, uint64_t site, size_t m);
 
