@@ -5,6 +5,7 @@
 #ifndef HAFT_TEST_LANDING_ORACLE_H
 #define HAFT_TEST_LANDING_ORACLE_H
 
+#include "evaluate.h"
 #include "random_beam.h"
 
 #include <cvode/cvode.h>
@@ -25,7 +26,7 @@ static inline int velocity(double time, N_Vector u, N_Vector out, void *user) {
     (void)time;
     oracle *o = user;
     size_t n = o->model->dofs;
-    haft_model_evaluate(o->model, o->law, N_VGetArrayPointer(u), o->load, o->gradient, NULL, NULL);
+    evaluate(o->model, o->law, N_VGetArrayPointer(u), o->load, o->gradient, NULL, NULL);
     gsl_vector_view v = gsl_vector_view_array(N_VGetArrayPointer(out), n);
     for (size_t i = 0; i < n; i++) {
         gsl_vector_set(&v.vector, i, -o->gradient[i]);
@@ -38,7 +39,7 @@ static inline int jacobian(double time, N_Vector u, N_Vector f, SUNMatrix out, v
     (void)time, (void)f, (void)a, (void)b, (void)c;
     oracle *o = user;
     const haft_model *m = o->model;
-    haft_model_evaluate(m, o->law, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL);
+    evaluate(m, o->law, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL);
     for (size_t j = 0; j < m->dofs; j++) {
         double *column = SUNDenseMatrix_Column(out, (sunindextype)j);
         memset(column, 0, m->dofs * sizeof *column);

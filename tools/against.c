@@ -2,6 +2,8 @@
 /* One run held against another, the reference: as a table, as JSON, and as data for a figure. */
 #include "against.h"
 
+#include "haft/study_report.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -41,32 +43,32 @@ static haft_status open_side(side *s, const haft_case *own, const char *folder, 
     return status;
 }
 
-static void print_text(const side *reference, const side *this, const haft_comparison *d) {
+static void print_text(const side *reference, const side *this, const haft_difference *d) {
     const haft_statistics *r = &reference->statistics, *s = &this->statistics;
     printf("\n%-30s %10s %10s %9s %7s\n", "crack length at rest [um]", "reference", "this", "shift",
            "s.e.");
-    printf("  %-28s %10zu %10zu\n", "beams that stuck", d->references, d->beams);
+    printf("  %-28s %10zu %10zu\n", "beams that stuck", r->stuck, s->stuck);
     printf("  %-28s %10zu %10zu\n", "free", r->free, s->free);
     printf("  %-28s %10.2f %10.2f %+9.2f %7.2f\n", "mean", r->mean * 1e6, s->mean * 1e6,
-           d->mean_shift * 1e6, d->mean_error * 1e6);
+           d->difference * 1e6, d->mean_error * 1e6);
     printf("  %-28s %10.2f %10.2f %+9.2f %7.2f\n", "standard deviation", r->deviation * 1e6,
            s->deviation * 1e6, d->deviation_shift * 1e6, d->deviation_error * 1e6);
     printf("  Kolmogorov-Smirnov distance %.4f; with a chance of %.2g as great between samples of "
            "one law\n",
-           d->ks, d->ks_chance);
+           d->distance, d->p_value);
     printf("  Wasserstein-1 distance %.2f um, standard error %.2f; %.2f on average between samples "
            "of one law\n",
            d->w1 * 1e6, d->w1_error * 1e6, d->w1_by_chance * 1e6);
 }
 
-static void print_json(const side *reference, const side *this, const haft_comparison *d) {
+static void print_json(const side *reference, const side *this, const haft_difference *d) {
     const haft_statistics *r = &reference->statistics, *s = &this->statistics;
     printf("{\n  \"reference_stuck\": %zu,\n  \"stuck\": %zu,\n  \"reference_free\": %zu,\n  "
            "\"free\": %zu,\n",
-           d->references, d->beams, r->free, s->free);
+           r->stuck, s->stuck, r->free, s->free);
     printf("  \"reference_crack_length_mean_m\": %.12g,\n  \"crack_length_mean_m\": %.12g,\n"
            "  \"mean_shift_m\": %.12g,\n  \"mean_shift_standard_error_m\": %.12g,\n",
-           r->mean, s->mean, d->mean_shift, d->mean_error);
+           r->mean, s->mean, d->difference, d->mean_error);
     printf("  \"reference_crack_length_deviation_m\": %.12g,\n"
            "  \"crack_length_deviation_m\": %.12g,\n  \"deviation_shift_m\": %.12g,\n"
            "  \"deviation_shift_standard_error_m\": %.12g,\n",
@@ -74,21 +76,27 @@ static void print_json(const side *reference, const side *this, const haft_compa
     printf("  \"kolmogorov_smirnov\": %.12g,\n  \"kolmogorov_smirnov_chance\": %.12g,\n"
            "  \"wasserstein_m\": %.12g,\n  \"wasserstein_standard_error_m\": %.12g,\n"
            "  \"wasserstein_by_chance_m\": %.12g,\n  \"seconds_per_beam\": %.12g\n}\n",
-           d->ks, d->ks_chance, d->w1, d->w1_error, d->w1_by_chance, s->seconds);
+           d->distance, d->p_value, d->w1, d->w1_error, d->w1_by_chance, s->seconds);
 }
 
 int tell_against(const haft_case *c, const char *case_folder, const char *reference, bool json,
                  terminal *t) {
     haft_error error = {0};
-    haft_comparison d;
+    haft_difference d;
     side r = {0}, s = {0};
     haft_status status = open_side(&s, c, case_folder, &error);
     if (status == HAFT_OK) {
         status = open_side(&r, NULL, reference, &error);
     }
+    if (status == HAFT_OK && (r.statistics.stuck < 2 || s.statistics.stuck < 2)) {
+        status = haft_error_set(&error, HAFT_ERROR_INPUT,
+                                "a comparison needs two beams that stuck on either side; there are "
+                                "%zu, and %zu of the reference",
+                                s.statistics.stuck, r.statistics.stuck);
+    }
     if (status == HAFT_OK) {
-        status = haft_study_compare(&d, r.view->summary, r.view->realizations, s.view->summary,
-                                    s.view->realizations, &error);
+        status = haft_study_differ(&d, r.c, r.view->summary, r.view->realizations, c,
+                                   s.view->summary, s.view->realizations, &error);
     }
     if (status == HAFT_OK) {
         (json ? print_json : print_text)(&r, &s, &d);

@@ -4,6 +4,7 @@
 
 #include "haft/study_report.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static void print_term(const haft_budget_term *t) {
@@ -11,8 +12,13 @@ static void print_term(const haft_budget_term *t) {
         printf("  %-24s %9s %8s %6s %7s  %s\n", t->name, "-", "-", "-", "-", t->change);
         return;
     }
-    printf("  %-24s %+9.3f %8.3f %6zu %7.2f  %s%s\n", t->name, t->shift * 1e6, t->half_width * 1e6,
-           t->beams, t->cost, t->change, t->paired ? "" : " (independent beams)");
+    printf("  %-24s %+9.3f %8.3f %6zu ", t->name, t->shift * 1e6, t->half_width * 1e6, t->beams);
+    if (isfinite(t->cost)) {
+        printf("%7.2f", t->cost);
+    } else {
+        printf("%7s", "");
+    }
+    printf("  %s%s\n", t->change, t->paired ? "" : " (independent beams)");
 }
 
 static void print_budget(const haft_case *c, const haft_budget *b) {
@@ -28,6 +34,7 @@ static void print_budget(const haft_case *c, const haft_budget *b) {
     printf("  %-24s %9.3f %8.3f %14s  sizes added, other models left out\n", "sum of refinements",
            b->total * 1e6, b->total_half_width * 1e6, "");
     print_term(&b->together);
+    print_term(&b->interaction);
     printf("+- is the half width of a %.4g %% interval; cost that of a beam, laws included\n",
            100 * b->confidence);
 }

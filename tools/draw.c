@@ -99,6 +99,23 @@ static const char *axis_unit(const char *unit, double greatest, double *factor) 
     return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
 }
 
+/* Of a sweep over the humidity: Figs. 4b and 21, and 20 where forces are taken one by one. */
+static haft_status draw_humidity(const haft_case *c, const char *folder, const char *definitions,
+                                 haft_error *error) {
+    const struct haft_case_sweep *sweep = &c->sweep;
+    if (strcmp(sweep->key[0], "contact.capillary.humidity") != 0) {
+        return HAFT_OK;
+    }
+    bool forces = sweep->keys > 1 && strcmp(sweep->key[1], "contact.forces") == 0;
+    haft_status status = haft_study_write_water(c, folder, error);
+    if (status == HAFT_OK) {
+        status = draw_script("water", folder, c->title, definitions, error);
+    }
+    return status == HAFT_OK ? draw_script(forces ? "contributions" : "humidity", folder, c->title,
+                                           definitions, error)
+                             : status;
+}
+
 int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t) {
     haft_error error = {0};
     char folder[PATH_CAPACITY], definitions[512];
@@ -112,13 +129,17 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
         snprintf(
             definitions, sizeof definitions,
             "swept='%s'; swept_unit='%s'; swept_factor=%g; keys=%zu; paper=%.9g; "
-            "measured=%.9g; confidence=%.9g",
+            "measured=%.9g; confidence=%.9g; gamma_factor=%.9g",
             haft_sweep_leaf(&c->sweep, 0), unit, factor, c->sweep.keys,
             isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                          : -1,
-            c->stop.confidence);
+            c->stop.confidence,
+            1.5e27 * c->beam.young_modulus * pow(c->beam.gap, 2) * pow(c->beam.thickness, 3));
         status = draw_script("sweep", folder, c->title, definitions, &error);
+        if (status == HAFT_OK) {
+            status = draw_humidity(c, folder, definitions, &error);
+        }
     }
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);

@@ -25,6 +25,7 @@ enum {
     KEY_AGAINST = 'a',
     KEY_BEAMS = 'b',
     KEY_OUTPUT = 'o',
+    KEY_SHARD = 's',
     BUDGET_BEAMS = 4,
     FOLDERS_MAX = 64,
 };
@@ -35,6 +36,7 @@ typedef struct arguments {
     size_t count; /* of them */
     const char *output;
     bool force, quiet, json;
+    haft_shard shard; /* {0}: all */
     int threads;
     long realization; /* -1: the first that left evidence */
     long beams;       /* a term of the budget */
@@ -48,6 +50,7 @@ static const char DOC[] =
     "  check    read CASE/case.yaml and say whether it can be used\n"
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
     "  resume   do what is left of a run that was stopped or killed\n"
+    "  merge    make the results of a run's shards, all of which must be done\n"
     "  plot     draw the figures of a finished run into CASE/out/plots (gnuplot)\n"
     "  info     say what a finished run holds\n"
     "  report   tell a finished run on one page, CASE/out/report.html\n"
@@ -60,8 +63,11 @@ static const char DOC[] =
 static const struct argp_option OPTIONS[] = {
     {"force", KEY_FORCE, 0, 0, "run: replace results and parts that are there already", 0},
     {"quiet", KEY_QUIET, 0, 0, "no progress, only results and errors", 0},
-    {"json", KEY_JSON, 0, 0, "run, resume, info: print the summary as JSON", 0},
+    {"json", KEY_JSON, 0, 0, "run, resume, merge, info: print the summary as JSON", 0},
     {"threads", KEY_THREADS, "N", 0, "run, resume: use N threads (default: all cores)", 0},
+    {"shard", KEY_SHARD, "I/N", 0,
+     "run, of one case: follow the beams of part I of N alone, from where it was stopped if it was",
+     0},
     {"realization", KEY_REALIZATION, "K", 0,
      "plot, report, of one case: the beam whose path is drawn (default: the first with evidence, "
      "else 0)",
@@ -85,6 +91,18 @@ static long parse_count(struct argp_state *state, const char *text, long least, 
     return value;
 }
 
+static haft_shard parse_shard(struct argp_state *state, const char *text) {
+    unsigned long index = 0, count = 0;
+    char end = '\0';
+    int read = strspn(text, "0123456789/") == strlen(text)
+                   ? sscanf(text, "%7lu/%7lu%c", &index, &count, &end)
+                   : 0;
+    if (read != 2 || index < 1 || index > count) {
+        argp_error(state, "--shard must be I/N, as in 2/8, with I from 1 to N, not \"%s\"", text);
+    }
+    return (haft_shard){index, count};
+}
+
 static error_t parse(int key, char *value, struct argp_state *state) {
     arguments *a = state->input;
     switch (key) {
@@ -105,6 +123,9 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case KEY_BEAMS:
         a->beams = parse_count(state, value, 2, 1000000, "--beams");
+        return 0;
+    case KEY_SHARD:
+        a->shard = parse_shard(state, value);
         return 0;
     case KEY_OUTPUT:
         a->output = value;
@@ -202,13 +223,16 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
-enum { CHECK, RUN, RESUME, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
-static const char *const commands[COMMANDS] = {"check", "run",    "resume", "plot",
+enum { CHECK, RUN, RESUME, MERGE, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
+static const char *const commands[COMMANDS] = {"check", "run",    "resume", "merge",  "plot",
                                                "info",  "report", "budget", "compare"};
 
 /* What only one case has is refused where there is a sweep. */
 static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
+    if (haft_study_rank() != 0) {
+        return EXIT_OK;
+    }
     return terminal_fail(t,
                          haft_error_set(&error, HAFT_ERROR_INPUT,
                                         "%s holds a sweep; this is for one case, as %s/out/%s",
@@ -218,19 +242,22 @@ static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
 
 static int do_command(size_t command, const haft_case *c, const arguments *a, terminal *t) {
     bool swept = c->sweep.keys > 0;
-    int (*run)(const haft_case *, const char *, haft_run_mode, bool, terminal *) =
-        swept ? run_sweep : run_case;
-    if (swept &&
-        (command == REPORT || command == BUDGET || (a->against != NULL && command >= PLOT))) {
+    haft_run_mode mode = command == RESUME  ? HAFT_RUN_RESUME
+                         : command == MERGE ? HAFT_RUN_MERGE
+                         : a->force         ? HAFT_RUN_ANEW
+                                            : HAFT_RUN_NEW;
+    if (swept && (command == MERGE || a->shard.count > 0 || command == REPORT ||
+                  command == BUDGET || (a->against != NULL && command >= PLOT))) {
         return refuse_sweep(c, a, t);
     }
     switch (command) {
     case CHECK:
         return command_check(c, a, t);
     case RUN:
-        return run(c, a->folder, a->force ? HAFT_RUN_ANEW : HAFT_RUN_NEW, a->json, t);
     case RESUME:
-        return run(c, a->folder, HAFT_RUN_RESUME, a->json, t);
+    case MERGE:
+        return swept ? run_sweep(c, a->folder, mode, a->json, t)
+                     : run_case(c, a->folder, mode, a->shard, a->json, t);
     case PLOT:
         return swept ? plot_sweep(c, a->folder, t)
                      : draw_case(c, a->folder, a->realization, a->against, t);
@@ -252,13 +279,13 @@ static int start(const arguments *a, terminal *t) {
     while (command < COMMANDS && strcmp(a->command, commands[command]) != 0) {
         command++;
     }
-    bool runs = command == RUN || command == RESUME;
+    bool runs = command == RUN || command == RESUME || command == MERGE;
     if (!leads && !runs) {
         return EXIT_OK;
     }
     if (command == COMMANDS) {
         fprintf(stderr,
-                "haft: there is no command \"%s\"; try check, run, resume, plot, info, "
+                "haft: there is no command \"%s\"; try check, run, resume, merge, plot, info, "
                 "report, budget or compare\n",
                 a->command);
         return EXIT_USAGE;
@@ -266,6 +293,13 @@ static int start(const arguments *a, terminal *t) {
     if (a->against != NULL && command != PLOT && command != INFO) {
         if (leads) {
             fprintf(stderr, "haft: --against belongs to info and plot, not to %s\n", a->command);
+        }
+        return EXIT_USAGE;
+    }
+    if (a->shard.count > 0 && (command != RUN || a->json)) {
+        if (leads) {
+            fprintf(stderr, "haft: --shard belongs to run, and goes without --json: the summary "
+                            "is of all shards, by haft merge\n");
         }
         return EXIT_USAGE;
     }

@@ -139,7 +139,7 @@ static void print_chaos(const haft_laws *laws) {
 
 void print_laws(const haft_laws *laws, const haft_case *c) {
     printf("%zu laws", laws->m);
-    if (laws->chaos == NULL) {
+    if (!haft_sampler_is_stochastic(c->law.sampler)) {
         printf(", %zu a beam", laws->sites);
         if (laws->first_site > 0) {
             printf(" (the first %zu sites never come into range)", laws->first_site);

@@ -44,7 +44,8 @@ static const char STYLE[] =
     "th,td{padding:.3rem .6rem;border-bottom:1px solid var(--line);text-align:right;"
     "vertical-align:top;white-space:nowrap}th{text-align:right}\n"
     "th:first-child,td:first-child,td.say,th.say{text-align:left}td.say{white-space:normal;"
-    "min-width:13rem}\n"
+    "overflow-wrap:anywhere;min-width:13rem}.facts td.say{min-width:0}.facts "
+    "td{white-space:normal}\n"
     "tr.sum td{font-weight:600}\n"
     "figure{margin:1.2rem 0;break-inside:avoid}.picture{overflow-x:auto;background:#fff;"
     "border:1px solid var(--line);border-radius:.4rem}\n"
@@ -55,7 +56,7 @@ static const char STYLE[] =
     "padding:.8rem;font-size:.8rem;white-space:pre-wrap;overflow-wrap:anywhere}\n"
     "@media print{body{font-size:10pt}main{max-width:none;padding:0}.picture{overflow:visible;"
     "border:0}.picture svg,.picture img{min-width:0}.wide{overflow:visible}"
-    "th,td{padding:.15rem .35rem}h2{break-after:avoid}}\n"
+    "th,td{padding:.15rem .35rem}h2{break-after:avoid}tr{break-inside:avoid}}\n"
     "</style>\n</head>\n<body>\n<main>\n";
 
 haft_status page_open(page *p, const char *title, haft_error *error) {

@@ -180,10 +180,11 @@ static void write_numbers(page *p, const source *s) {
     static const char *const quantile[HAFT_STUDY_QUANTILES] = {"5 % quantile", "median",
                                                                "95 % quantile"};
     page_element(p, "h2", NULL, "The numbers");
-    page_markup(p, "<div class=\"wide\"><table>\n<tr><th class=\"say\">crack length at rest</th>"
-                   "<th>[µm]</th>");
+    page_markup(
+        p, "<div class=\"wide\"><table>\n<thead><tr><th class=\"say\">crack length at rest</th>"
+           "<th>[µm]</th>");
     page_element(p, "th", NULL, "%.4g %% from", 100 * t->confidence);
-    page_markup(p, "<th>to</th></tr>\n");
+    page_markup(p, "<th>to</th></tr></thead>\n");
     write_row(p, "mean", t->mean, &t->mean_interval);
     write_row(p, "standard deviation", t->deviation, &t->deviation_interval);
     for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
@@ -215,7 +216,11 @@ static void write_term(page *p, const haft_budget_term *t, const char *row) {
         page_element(p, "td", NULL, "%+.2f", t->shift * 1e6);
         page_element(p, "td", NULL, "%.2f", t->half_width * 1e6);
         page_element(p, "td", NULL, "%zu", t->beams);
-        page_element(p, "td", NULL, "%.2f", t->cost);
+        if (isfinite(t->cost)) {
+            page_element(p, "td", NULL, "%.2f", t->cost);
+        } else {
+            page_markup(p, "<td></td>");
+        }
     } else {
         page_markup(p, "<td>-</td><td>-</td><td>-</td><td>-</td>");
     }
@@ -237,9 +242,9 @@ static void write_budget(page *p, const source *s) {
                  "alone, on the same %zu beams, and the mean change is the term. Where an error "
                  "falls in proportion to a step, as much again is left after halving it.",
                  b->beams);
-    page_markup(p, "<div class=\"wide\"><table>\n<tr><th>term</th><th>shift [µm]</th>"
+    page_markup(p, "<div class=\"wide\"><table>\n<thead><tr><th>term</th><th>shift [µm]</th>"
                    "<th>± [µm]</th><th>beams</th><th>cost, times</th><th class=\"say\">changed"
-                   "</th></tr>\n");
+                   "</th></tr></thead>\n");
     for (size_t i = 0; i < b->count; i++) {
         write_term(p, &b->term[i], "<tr>");
     }
@@ -257,6 +262,7 @@ static void write_budget(page *p, const source *s) {
     page_element(p, "td", "say", "sizes added, other models left out");
     page_markup(p, "</tr>\n");
     write_term(p, &b->together, "<tr class=\"sum\">");
+    write_term(p, &b->interaction, "<tr>");
     page_markup(p, "</table></div>\n");
     page_element(p, "p", "soft",
                  "± is the half width of a %.4g %% interval of the shift; a shift smaller than it "
@@ -332,7 +338,7 @@ static void write_provenance(page *p, const source *s) {
                  "jumps a beam.",
                  t->seconds, t->seconds * (double)t->run, t->run, t->jumps);
     page_element(p, "h2", NULL, "Where it comes from");
-    page_markup(p, "<div class=\"wide\"><table>\n");
+    page_markup(p, "<table class=\"facts\">\n");
     write_fact(p, "case", s->c->name);
     snprintf(text, sizeof text, "%llu", (unsigned long long)s->c->seed);
     write_fact(p, "seed", text);
@@ -342,7 +348,7 @@ static void write_provenance(page *p, const source *s) {
     write_fact(p, "inputs of the laws (digest)", s->laws_digest);
     haft_digest_memory(s->view->resolved_case, strlen(s->view->resolved_case), digest);
     write_fact(p, "resolved case (digest)", digest);
-    page_markup(p, "</table></div>\n");
+    page_markup(p, "</table>\n");
     page_element(p, "p", "soft",
                  "The same case and seed give the same numbers to the bit. results.h5 beside this "
                  "page names the build that made them.");

@@ -101,7 +101,7 @@ static haft_status prepare_run(run_paths *paths, haft_summary **summary, const h
 }
 
 haft_status run_one(haft_summary **summary, bool *complete, const haft_case *c, const char *folder,
-                    haft_run_mode mode, terminal *t, haft_error *error) {
+                    haft_run_mode mode, haft_shard shard, terminal *t, haft_error *error) {
     run_paths paths;
     *summary = NULL;
     *complete = false;
@@ -114,28 +114,30 @@ haft_status run_one(haft_summary **summary, bool *complete, const haft_case *c, 
         haft_run_files files = {.laws = paths.laws,
                                 .results = paths.results,
                                 .parts = paths.parts,
+                                .folder = folder,
                                 .beside = save_companions,
                                 .user = &r};
         haft_progress progress = terminal_progress(t);
-        status = haft_study_run(*summary, c, &files, mode, &progress, error);
+        status = haft_study_run(*summary, c, &files, mode, shard, &progress, error);
     }
     *complete = status == HAFT_OK;
-    if (status == HAFT_OK && haft_study_rank() == 0) {
+    if (status == HAFT_OK && haft_study_rank() == 0 && shard.count == 0) {
         status = tell_failures(c, *summary, paths.results, error);
     }
     return status;
 }
 
-int run_case(const haft_case *c, const char *folder, haft_run_mode mode, bool json, terminal *t) {
+int run_case(const haft_case *c, const char *folder, haft_run_mode mode, haft_shard shard,
+             bool json, terminal *t) {
     haft_error error = {0};
     haft_summary *summary = NULL;
     bool complete = false;
-    haft_status status = run_one(&summary, &complete, c, folder, mode, t, &error);
+    haft_status status = run_one(&summary, &complete, c, folder, mode, shard, t, &error);
     int code = EXIT_OK;
     if (haft_study_rank() == 0) {
         bool told =
             status == HAFT_OK || status == HAFT_ERROR_NUMERIC || status == HAFT_ERROR_INTERRUPTED;
-        if (told && summary != NULL && any_done(c, summary)) {
+        if (told && shard.count == 0 && summary != NULL && any_done(c, summary)) {
             print_result(c, summary, json);
         }
         if (status != HAFT_OK) {

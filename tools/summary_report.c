@@ -234,7 +234,7 @@ void print_sweep(const haft_variant *variant, size_t variants, bool json) {
                s->mean_interval.high * 1e6);
         print_length(variant[i].c->reference.paper_crack_length);
         print_length(variant[i].c->reference.measured_crack_length);
-        printf(" %8.2f %7.3f %6zu %6zu %9.4f %9.4f %8.3f\n", s->deviation * 1e6, s->gamma * 1e3,
+        printf(" %8.2f %7.3g %6zu %6zu %9.4f %9.4f %8.3f\n", s->deviation * 1e6, s->gamma * 1e3,
                s->stuck, s->free, s->internal_energy * 1e12, s->dissipated * 1e12, s->seconds);
     }
     print_beside(variant, variants);

@@ -185,7 +185,8 @@ static haft_status run_variant(sweep *s, size_t i, bool *complete, const char *f
         terminal_close_line(t);
         progress.note(progress.user, s->c[i]->sweep.label);
     }
-    status = run_one(&summary, complete, s->c[i], path, mode_of(mode, path), t, error);
+    status =
+        run_one(&summary, complete, s->c[i], path, mode_of(mode, path), (haft_shard){0}, t, error);
     if (*complete && haft_study_rank() == 0) {
         s->variant[i].statistics = haft_study_statistics(s->c[i], summary, s->c[i]->realizations);
     }

@@ -12,6 +12,10 @@
 extern "C" {
 #endif
 
+/** @def HAFT_PRINTF
+ *  Has a compiler check arguments against a format, both told by their places from 1.
+ *  @def HAFT_MUST_CHECK
+ *  Has a compiler warn where a result is not looked at. */
 #if defined(__GNUC__)
 #define HAFT_PRINTF(format_index, first_argument)                                                  \
     __attribute__((format(printf, format_index, first_argument)))
@@ -19,6 +23,16 @@ extern "C" {
 #else
 #define HAFT_PRINTF(format_index, first_argument)
 #define HAFT_MUST_CHECK
+#endif
+
+/** Compiles a function for several widths of vector and chooses when the program starts. Products
+ * are never fused with sums (-ffp-contract=off), so the bits are the same whichever is chosen. The
+ * choice needs glibc's loader, and runs before a sanitizer is set up. */
+#if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&       \
+    !defined(__SANITIZE_ADDRESS__)
+#define HAFT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define HAFT_CLONES /**< nothing, where the choice cannot be made */
 #endif
 
 /** What a fallible function returns; HAFT_OK is 0 and everything else is a failure. */
@@ -39,13 +53,15 @@ typedef enum haft_status {
 
 /** One failure with its context, owned by the caller. */
 typedef struct haft_error {
-    haft_status status;
-    char message[HAFT_ERROR_CAPACITY];
+    haft_status status;                /**< what kind of failure */
+    char message[HAFT_ERROR_CAPACITY]; /**< what happened, where, and what would do */
 } haft_error;
 
 /** Writes a message and returns `status`, so that `return haft_error_set(...)` reads well.
- *  @param[out] error may be NULL: then only the status is handed on. Thread-safe for distinct
- *  errors. */
+ *  @param[out] error may be NULL: then only the status is handed on
+ *  @param[in] status other than HAFT_OK
+ *  @param[in] format as printf() takes it, then its arguments
+ *  Thread-safe for distinct errors. */
 haft_status haft_error_set(haft_error *error, haft_status status, const char *format, ...)
     HAFT_PRINTF(3, 4);
 
@@ -55,8 +71,10 @@ void haft_error_prefix(haft_error *error, const char *format, ...) HAFT_PRINTF(2
 /** A short name of a status ("input"), never NULL. */
 const char *haft_status_name(haft_status status);
 
-/** The program's version, "major.minor.patch", and the revision it was built from ("" if none). */
+/** The program's version, "major.minor.patch". */
 const char *haft_version(void);
+
+/** The revision of the sources it was built from; "" if there is none. */
 const char *haft_revision(void);
 
 /** Allocates count * size zeroed bytes, aligned to 64 bytes.
@@ -69,13 +87,18 @@ void haft_memory_free(void *memory);
 /** A units database (UDUNITS-2). Not thread-safe: one thread at a time. */
 typedef struct haft_units haft_units;
 
+/** Loads the database. @return HAFT_ERROR_LIBRARY where it is not installed. */
 haft_status haft_units_create(haft_units **out, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees it and sets the pointer to NULL; NULL is allowed. */
 void haft_units_destroy(haft_units **units);
 
 /** Reads a quantity such as "600 um", "163 GPa", "289 rad/um", "6.46e3 nm^4" or "85 %".
+ *  @param[in] units the database
  *  @param[in] text a number, then a unit; the unit may be missing only if `unit` is "1"
  *  @param[in] unit the unit wanted ("m", "Pa", "1"); its dimension must agree
  *  @param[out] value the quantity in `unit`, finite
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_INPUT if the text is no number, is not finite, lacks its unit, has an unknown
  *  unit or one of another dimension; the message names what was read and what is wanted. */
 haft_status haft_units_parse(const haft_units *units, const char *text, const char *unit,
@@ -93,7 +116,7 @@ typedef enum haft_random_purpose {
 
 /** Key of a counter-based stream: there is no state to carry or save. */
 typedef struct haft_random_key {
-    uint64_t seed;
+    uint64_t seed;    /**< the case's */
     uint64_t purpose; /**< a haft_random_purpose */
 } haft_random_key;
 

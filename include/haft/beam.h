@@ -42,8 +42,9 @@ typedef enum haft_mesh_kind {
                            the load is on it); sites on that span are left out of the contact */
 } haft_mesh_kind;
 
+/** How a beam is cut into elements, and where its sites and the load are. */
 typedef struct haft_mesh_spec {
-    haft_mesh_kind kind;
+    haft_mesh_kind kind;   /**< where the nodes lie */
     double element_length; /**< [m]; for HAFT_MESH_UNIFORM: divides the length */
     double l_meso;         /**< length of a patch, one site in the middle of each [m] */
     double load_position;  /**< x_P [m], 0 < x_P <= length */
@@ -64,37 +65,41 @@ typedef struct haft_element {
 
 /** A contact site: gap d = gap - sum shape[k] u[dof[k]] over its `terms`. */
 typedef struct haft_site {
-    double x;    /**< position [m] */
-    double area; /**< A_r [m^2] */
-    int dof[HAFT_SPAN];
+    double x;                /**< position [m] */
+    double area;             /**< A_r [m^2] */
+    int dof[HAFT_SPAN];      /**< unknowns that move it, -1 where absent */
     double shape[HAFT_SPAN]; /**< [m] a unit of each unknown */
     int terms; /**< set by haft_model_create(), which puts those that count in front */
 } haft_site;
+
+/** The room's own order of a model's sites. */
+typedef struct haft_layout haft_layout;
 
 /** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
  *
  *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
  *  node's own element length. `scale[i]` takes unknown i to metres or radians. */
 typedef struct haft_model {
-    size_t dofs;
-    double *scale;
-    double energy_unit; /**< [J] */
-    double gap;         /**< [m] */
-    size_t elements;
-    haft_element *element;
-    size_t sites;
-    size_t inert;    /**< how many of the first take no part: they are to stay out of reach */
-    haft_site *site; /**< in order of x */
-    haft_site load;  /**< where the load acts; its area is unused */
-    size_t nodes;    /**< 0 for a structure that is no beam */
-    double *node_x;  /**< [m] */
-    size_t nonzeros;
-    int *column;       /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
-    int *row;          /**< and rows, sorted */
-    double *stiffness; /**< K in that pattern, in units of energy */
-    double *mass;      /**< M in that pattern: integral of w^2 / (h^2 L) */
-    int *element_slot; /**< place of each of an element's 16 entries in the pattern, -1 if none */
-    int *site_slot;    /**< and of a site's */
+    size_t dofs;           /**< unknowns */
+    double *scale;         /**< dofs: [m] or [rad] a unit of each unknown */
+    double energy_unit;    /**< [J] */
+    double gap;            /**< [m] */
+    size_t elements;       /**< of the beam */
+    haft_element *element; /**< elements, in order of x */
+    size_t sites;          /**< where laws act */
+    size_t inert;          /**< how many of the first take no part: they are to stay out of reach */
+    haft_site *site;       /**< in order of x */
+    haft_site load;        /**< where the load acts; its area is unused */
+    size_t nodes;          /**< 0 for a structure that is no beam */
+    double *node_x;        /**< [m] */
+    size_t nonzeros;       /**< entries of the Hessian's pattern */
+    int *column;         /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
+    int *row;            /**< and rows, sorted */
+    double *stiffness;   /**< K in that pattern, in units of energy */
+    double *mass;        /**< M in that pattern: integral of w^2 / (h^2 L) */
+    int *element_slot;   /**< place of each of an element's 16 entries in the pattern, -1 if none */
+    int *site_slot;      /**< and of a site's */
+    haft_layout *layout; /**< the sites once more, laid out for evaluation */
 } haft_model;
 
 /** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
@@ -109,18 +114,24 @@ haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
 /** A structure put together by hand, for other mechanics and for tests: elements, sites and load in
  *  scaled unknowns as described above; every array is copied. */
 typedef struct haft_model_parts {
-    size_t dofs;
-    const double *scale; /**< NULL: all 1 */
-    double energy_unit, gap;
-    size_t elements;
-    const haft_element *element;
-    size_t sites;
-    size_t inert; /**< sites, from the first, that take no part in the contact */
-    const haft_site *site;
-    haft_site load;
+    size_t dofs;                 /**< unknowns */
+    const double *scale;         /**< dofs; NULL: all 1 */
+    double energy_unit;          /**< [J] */
+    double gap;                  /**< of every site where nothing is displaced [m] */
+    size_t elements;             /**< how many */
+    const haft_element *element; /**< elements */
+    size_t sites;                /**< how many */
+    size_t inert;                /**< sites, from the first, that take no part in the contact */
+    const haft_site *site;       /**< sites, in order of x */
+    haft_site load;              /**< where the load acts; its area is unused */
 } haft_model_parts;
+
+/** Makes the structure: the pattern of its Hessian, K and M in it.
+ *  @return HAFT_ERROR_ARGUMENT for parts that do not fit together; HAFT_ERROR_MEMORY. */
 haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
                               haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a model and sets the pointer to NULL; NULL is allowed. */
 void haft_model_destroy(haft_model **model);
 
 /** The two parts of a state's energy [J]. */
@@ -143,18 +154,34 @@ static inline double haft_model_displacement(const haft_site *site, const double
 /** Gaps d[sites] of a state [m]. Thread-safe. */
 void haft_model_gaps(const haft_model *model, const double *u, double *d);
 
+/** Displacements of all sites but the inert ones, those of haft_model_displacement() to the bit.
+ *  @param[in] model the structure
+ *  @param[in] v dofs scaled unknowns, or a direction in them
+ *  @param[out] w haft_law_lanes(sites) [m]; inert sites' are left alone, those from `sites` on are
+ *  set to 0. Thread-safe. */
+void haft_model_displacements(const haft_model *model, const double *v, double *w);
+
+/** y[dofs] += sum over all sites but the inert ones of force[r] times the shape functions of site
+ *  r: forces along displacements, in units of energy a metre. Thread-safe. */
+void haft_model_add_forces(const haft_model *model, const double *force, double *y);
+
 /** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy and
  *  the Hessian in the model's pattern. Inert sites are passed over.
+ *  @param[in] model the structure
+ *  @param[in] u [dofs] state, scaled unknowns
+ *  @param[in] load P [N]
+ *  @param[out] gradient [dofs]; may be NULL
+ *  @param[out] hessian [nonzeros]; may be NULL
  *  @param[in] laws one a site
  *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
  *  rounding error is measured against. Thread-safe. */
-haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, const double *u,
+haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
                                 double load, double *gradient, double *hessian,
                                 double *force_scale);
 
 /** Each site's part in the Hessian at a state, -A_r f'_r(d_r) in units of energy a square metre,
  * for haft_model_multiply(). Thread-safe. */
-void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, const double *u,
+void haft_model_site_stiffness(const haft_model *model, const haft_law_rows *laws, const double *u,
                                double *site_stiffness);
 
 /** y = H x, strain through the deformation modes and contact site by site: where elements are short
@@ -166,11 +193,13 @@ void haft_model_multiply(const haft_model *model, const double *site_stiffness, 
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
                       double *rotation);
 
-/** Length from the clamp to the first point where the attraction of the patch above it is felt:
- *  d(x) <= haft_law_reach(law, share), found in the beam's own cubic shape to round-off.
+/** Length from the clamp to the first point where the attraction of the patch above it is felt,
+ *  d(x) <= reach[r], found in the beam's own cubic shape to round-off.
+ *  @param[in] model the structure
+ *  @param[in] reach one a site [m]: haft_law_reach(law, share) of its law
+ *  @param[in] u dofs scaled unknowns
  *  @return the model's length if the beam touches nowhere (then it is free). Thread-safe. */
-double haft_model_crack_length(const haft_model *model, const haft_law *laws, const double *u,
-                               double share);
+double haft_model_crack_length(const haft_model *model, const double *reach, const double *u);
 
 #ifdef __cplusplus
 }

@@ -23,15 +23,25 @@ extern "C" {
 
 /** Numbers in a law vector, and the most principal components there can be. */
 #define HAFT_CHAOS_DIMENSION 4
-/** Highest order of an expansion, most Gauss points a direction, most Gauss points in all. */
+
+/** Highest order of an expansion. */
 #define HAFT_CHAOS_ORDER_LIMIT 40
+
+/** Most Gauss points a direction. */
 #define HAFT_CHAOS_POINTS_LIMIT 128
+
+/** Most Gauss points in all. */
 #define HAFT_CHAOS_GRID_LIMIT 4194304
-/** Range of the kernels' bandwidth, in standard deviations. */
+
+/** Least bandwidth of the kernels, in standard deviations. */
 #define HAFT_CHAOS_LEAST_BANDWIDTH 1e-6
+
+/** Their greatest. */
 #define HAFT_CHAOS_GREATEST_BANDWIDTH 1e6
+
 /** Greatest |eta| of a centre. */
 #define HAFT_CHAOS_GREATEST_CENTRE 1e9
+
 /** Probabilities below this are not told apart from 0 by the Rosenblatt map. */
 #define HAFT_CHAOS_LEAST_TAIL 1e-280
 
@@ -69,25 +79,31 @@ typedef enum haft_chaos_sampler {
                                    *   geometric means of what enters by its logarithm */
 } haft_chaos_sampler;
 
-/** Short names ("strict", "scott", "legendre", "gpce"), never NULL. */
+/** A short name ("strict"), never NULL. */
 const char *haft_chaos_bounds_name(haft_chaos_bounds bounds);
+
+/** A short name ("scott"), never NULL. */
 const char *haft_chaos_kernel_name(haft_chaos_kernel kernel);
+
+/** A short name ("legendre"), never NULL. */
 const char *haft_chaos_germ_name(haft_chaos_germ germ);
+
+/** A short name ("gpce"), never NULL. */
 const char *haft_chaos_sampler_name(haft_chaos_sampler sampler);
 
 /** Choices of a model; all zeros but f_limit, order and epsilon (or components) is the default. */
 typedef struct haft_chaos_spec {
-    haft_chaos_bounds bounds;
-    double f_limit;    /**< push that d_limit is defined by, as haft_law_limit() takes it */
-    size_t components; /**< N_g, 1 to 4; 0: the fewest that keep the error below epsilon */
-    double epsilon;    /**< in (0, 1); read only if components is 0 (Eq. 32) */
+    haft_chaos_bounds bounds; /**< which every vector keeps */
+    double f_limit;           /**< push that d_limit is defined by, as haft_law_limit() takes it */
+    size_t components;        /**< N_g, 1 to 4; 0: the fewest that keep the error below epsilon */
+    double epsilon;           /**< in (0, 1); read only if components is 0 (Eq. 32) */
     size_t component_order[HAFT_CHAOS_DIMENSION]; /**< the principal component that comes 1st, 2nd,
                                                    *   ... in the Rosenblatt map; all 0: 0 1 2 3 */
-    haft_chaos_kernel kernel;
-    double bandwidth; /**< h in standard deviations; 0: Scott's m^(-1/(N_g + 4)) */
-    haft_chaos_germ germ;
-    size_t order;  /**< N_d, total order, 0 to HAFT_CHAOS_ORDER_LIMIT */
-    size_t points; /**< Gauss points a direction, > N_d; 0: N_d + 1 */
+    haft_chaos_kernel kernel;                     /**< how they stand about the data */
+    double bandwidth;     /**< h in standard deviations; 0: Scott's m^(-1/(N_g + 4)) */
+    haft_chaos_germ germ; /**< variables of the expansion */
+    size_t order;         /**< N_d, total order, 0 to HAFT_CHAOS_ORDER_LIMIT */
+    size_t points;        /**< Gauss points a direction, > N_d; 0: N_d + 1 */
 } haft_chaos_spec;
 
 /** The model: read-only once made, shared by any number of threads. */
@@ -97,21 +113,30 @@ typedef struct haft_chaos haft_chaos;
 typedef struct haft_chaos_work haft_chaos_work;
 
 /** Makes the model of m law vectors, in parallel by OpenMP; its bits do not depend on the threads.
+ *  @param[out] out the model; NULL after a failure
+ *  @param[in] m how many vectors
+ *  @param[in] spec choices
  *  @param[in] vector m law vectors, m > N_g, finite, within the bounds chosen
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_INPUT with one sentence that names the vector or the choice and what would
  *  do; HAFT_ERROR_MEMORY. */
 haft_status haft_chaos_create(haft_chaos **out, size_t m, const haft_law_vector *vector,
                               const haft_chaos_spec *spec, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a model and sets the pointer to NULL; NULL is allowed. */
 void haft_chaos_destroy(haft_chaos **chaos);
 
+/** Makes the arrays of one thread. @return HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_chaos_work_create(haft_chaos_work **out, const haft_chaos *chaos,
                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees them and sets the pointer to NULL; NULL is allowed. */
 void haft_chaos_work_destroy(haft_chaos_work **work);
 
 /** Everything a model is made of, to be written to a file and read back. Polynomials are
  *  orthonormal: the mean of the square of each under the germ's law is 1. */
 typedef struct haft_chaos_parts {
-    haft_chaos_bounds bounds;
+    haft_chaos_bounds bounds;                /**< of q */
     double f_limit;                          /**< as haft_law_limit() takes it */
     double sigma[HAFT_CHAOS_DIMENSION];      /**< standard deviations before division [1, 1, m,
                                               *   1; logarithms of SI numbers] (Eq. 25) */
@@ -121,13 +146,14 @@ typedef struct haft_chaos_parts {
                       [HAFT_CHAOS_DIMENSION]; /**< [i][j]: part of q_i in component j (Eq. 29) */
     size_t components;                        /**< N_g */
     size_t component_order[HAFT_CHAOS_DIMENSION]; /**< a permutation of 0 .. N_g - 1 */
-    haft_chaos_kernel kernel;
-    double bandwidth;              /**< h, before any shrinking */
-    size_t m;                      /**< vectors */
-    const haft_law_vector *vector; /**< [m], for the bootstrap */
-    const double *centre;          /**< [m][N_g], eta of each vector, not shrunk (Eq. 30) */
-    haft_chaos_germ germ;
-    size_t order, points;
+    haft_chaos_kernel kernel;                     /**< how they stand about the data */
+    double bandwidth;                             /**< h, before any shrinking */
+    size_t m;                                     /**< vectors */
+    const haft_law_vector *vector;                /**< [m], for the bootstrap */
+    const double *centre;      /**< [m][N_g], eta of each vector, not shrunk (Eq. 30) */
+    haft_chaos_germ germ;      /**< variables of the expansion */
+    size_t order;              /**< N_d */
+    size_t points;             /**< Gauss points a direction of the projection */
     size_t terms;              /**< (N_d + N_g)! / (N_d! N_g!) */
     const unsigned *index;     /**< [terms][N_g], degree in each germ variable, variable i being
                                 *   the one of component component_order[i]; rising
@@ -151,18 +177,26 @@ haft_status haft_chaos_create_from_parts(haft_chaos **out, const haft_chaos_part
  *  there haft_law_morse() takes what comes back for any finite q. To round-off of q sigma; e -
  * f_max/(2 a_left) and d_max - d_limit lose digits as they are small beside e and d_max. Source:
  * Hoang et al. (2017), Eqs. 24, 27; strict: Eq. 23 solved.
+ *  @param[in] chaos whose bounds and scales
+ *  @param[in] vector in SI
  *  @param[out] q [4]; NaN where the vector breaks the bounds. Thread-safe. */
 void haft_chaos_q_from_vector(const haft_chaos *chaos, const haft_law_vector *vector, double *q);
+
+/** The law vector of q [4], see haft_chaos_q_from_vector(). Thread-safe. */
 haft_law_vector haft_chaos_vector_from_q(const haft_chaos *chaos, const double *q);
 
 /** eta [N_g] of q [4], its first principal components scaled to unit variance, and back, which
  *  loses the components left out. Source: Hoang et al. (2017), Eqs. 29-31. Thread-safe. */
 void haft_chaos_eta_from_q(const haft_chaos *chaos, const double *q, double *eta);
+
+/** q [4] of eta [N_g], the components left out being 0 (Eq. 31). Thread-safe. */
 void haft_chaos_q_from_eta(const haft_chaos *chaos, const double *eta, double *q);
 
 /** The Rosenblatt map of the kernel density, exact to round-off: a conditional CDF is the sum of
  *  normal CDFs weighted by the kernels of the components fixed before. Kernels that weigh less than
  *  m^-1 e^-75 of the greatest are left out, which changes a tail probability p by 3e-33 at most.
+ *  @param[in] chaos the model
+ *  @param[in,out] work scratch of one thread
  *  @param[in] eta [N_g], finite
  *  @param[out] xi [N_g] conditional CDFs, number i being that of component component_order[i]
  *  @param[out] tail [N_g] 1 - xi, as accurate for its size as xi; may be NULL
@@ -173,8 +207,12 @@ void haft_chaos_rosenblatt(const haft_chaos *chaos, haft_chaos_work *work, const
 /** The inverse, by Halley's iteration on the logarithm of the smaller tail, its bracket made to
  *  halve: d eta = d xi / density, so eta is as good as xi allows.
  *  Between humps so far apart that the CDF is level to round-off, some point of the plain.
- *  @param[in] xi [N_g] and tail [N_g] = 1 - xi (NULL: computed), each at least
- *  HAFT_CHAOS_LEAST_TAIL
+ *  @param[in] chaos the model
+ *  @param[in,out] work scratch of one thread
+ *  @param[in] xi [N_g] conditional CDFs, at least HAFT_CHAOS_LEAST_TAIL
+ *  @param[in] tail [N_g] 1 - xi, at least as much; NULL: computed
+ *  @param[out] eta [N_g] standard deviations
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT if some xi or tail is not. Thread-safe, a work a thread. */
 haft_status haft_chaos_inverse(const haft_chaos *chaos, haft_chaos_work *work, const double *xi,
                                const double *tail, double *eta, haft_error *error) HAFT_MUST_CHECK;
@@ -186,8 +224,15 @@ void haft_chaos_expand(const haft_chaos *chaos, const double *x, double *eta);
 /** Law vectors of sites first .. first + n - 1 of a realization. Vector (realization, site) depends
  *  on seed, realization and site alone: Philox of purpose HAFT_RANDOM_LAW_SAMPLE, draw 0 being the
  *  germ (or the choice of a centre), draw 1 the kernel noise. gpce and exact share the germ.
+ *  @param[in] chaos the model
+ *  @param[in] sampler what is drawn from
+ *  @param[in] seed the case's
+ *  @param[in] realization the beam
+ *  @param[in] first its first site
+ *  @param[in] n sites
  *  @param[in] work needed by HAFT_CHAOS_SAMPLER_EXACT, else may be NULL
  *  @param[out] vector [n]
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT if the work is missing. Thread-safe, a work a thread. */
 haft_status haft_chaos_sample(const haft_chaos *chaos, haft_chaos_work *work,
                               haft_chaos_sampler sampler, uint64_t seed, uint64_t realization,
@@ -195,8 +240,12 @@ haft_status haft_chaos_sample(const haft_chaos *chaos, haft_chaos_work *work,
                               haft_error *error) HAFT_MUST_CHECK;
 
 /** Which of m patches the bootstrap draws for a site: uniform, and as haft_chaos_sample() depends
- * on seed, realization and site alone. Thread-safe.
- *  @param[in] m > 0 */
+ *  on seed, realization and site alone. Thread-safe.
+ *  @param[in] seed of the study
+ *  @param[in] realization of the beam
+ *  @param[in] site of the beam
+ *  @param[in] m how many patches there are, > 0
+ *  @return one of 0 ... m - 1 */
 size_t haft_chaos_draw_patch(uint64_t seed, uint64_t realization, uint64_t site, size_t m);
 
 /* ---- the basis ---- */
@@ -224,8 +273,14 @@ void haft_chaos_indices(size_t directions, size_t order, unsigned *index);
 
 /** Coefficients of a map known at the tensor Gauss points, by projection:
  *  c_a = sum_k w_k T(x_k) psi_a(x_k). Source: Hoang et al. (2017), Eqs. C.7-C.8.
+ *  @param[in] germ whose law is projected on
+ *  @param[in] directions variables, 1 to HAFT_CHAOS_DIMENSION
+ *  @param[in] order N_d, at most HAFT_CHAOS_ORDER_LIMIT
+ *  @param[in] points Gauss points a direction, > order, at most HAFT_CHAOS_POINTS_LIMIT
  *  @param[in] value [points^directions], the last direction running fastest
- *  @param[out] coefficient [terms]; taken one by one, stride apart
+ *  @param[out] coefficient [terms], one by one, stride apart
+ *  @param[in] stride from a coefficient to the next, in numbers
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT if sizes are out of range or points <= order; HAFT_ERROR_MEMORY.
  *  Thread-safe. */
 haft_status haft_chaos_project(haft_chaos_germ germ, size_t directions, size_t order, size_t points,
@@ -237,21 +292,28 @@ haft_status haft_chaos_project(haft_chaos_germ germ, size_t directions, size_t o
 /** Gaussian kernels about samples, as a model has them about its centres.
  *  Where `kernel` preserves the variance, centres and bandwidth are shrunk by 1/sqrt(1 + h^2). */
 typedef struct haft_chaos_kernels {
-    size_t m;
-    const double *centre; /**< [m][stride], the first number of each row being column 0 */
-    size_t stride;
-    double bandwidth; /**< h, before any shrinking; > 0 */
-    haft_chaos_kernel kernel;
+    size_t m;                 /**< kernels */
+    const double *centre;     /**< [m][stride], the first number of each row being column 0 */
+    size_t stride;            /**< numbers a row of `centre` */
+    double bandwidth;         /**< h, before any shrinking; > 0 */
+    haft_chaos_kernel kernel; /**< how they stand about the samples */
 } haft_chaos_kernels;
 
 /** Their marginal density in one column,
  *      p(x) = 1/m sum_k N(x; c_k, h^2).
+ *  @param[in] kernels the density
+ *  @param[in] column which number of each centre
+ *  @param[in] n points
  *  @param[in] x [n] @param[out] density [n] Source: Hoang et al. (2017), Eq. B.3. Thread-safe. */
 void haft_chaos_density(const haft_chaos_kernels *kernels, size_t column, size_t n, const double *x,
                         double *density);
 
 /** Their joint density in two columns, p(x_i, y_j), on the product of two grids.
+ *  @param[in] kernels the density
+ *  @param[in] column_x, column_y which numbers of each centre
+ *  @param[in] nx, ny points of the grids
  *  @param[in] x [nx] @param[in] y [ny] @param[out] density [nx][ny]
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_chaos_joint_density(const haft_chaos_kernels *kernels, size_t column_x,
                                      size_t column_y, size_t nx, const double *x, size_t ny,
@@ -278,19 +340,23 @@ typedef struct haft_chaos_distance {
 void haft_chaos_sort(size_t n, double *x);
 
 /** Distance of the empirical law of sorted samples x from that of sorted samples y, exactly, in
- *  their own unit. @param[in] n, m at least 1. Thread-safe. */
+ *  their own unit.
+ *  @param[in] n, m how many, at least 1
+ *  @param[in] x [n] rising
+ *  @param[in] y [m] rising
+ *  Thread-safe. */
 haft_chaos_distance haft_chaos_distance_of_samples(size_t n, const double *x, size_t m,
                                                    const double *y);
 
 /** Errors of the expansion, [j] for principal component j. */
 typedef struct haft_chaos_errors {
-    double relmise_own[HAFT_CHAOS_DIMENSION]; /**< by the projection's own Gauss rule (Eq. C.9);
-                                               *   blind: 0 for one variable and N_d + 1 points */
-    double relmise_own_total;                 /**< Eq. C.10 */
-    double relmise[HAFT_CHAOS_DIMENSION];     /**< by a quasi-random rule of its own */
-    double relmise_total;
-    double variance[HAFT_CHAOS_DIMENSION];            /**< of the kernel density, in closed form */
-    double variance_error[HAFT_CHAOS_DIMENSION];      /**< share of it that the expansion lacks */
+    double relmise_own[HAFT_CHAOS_DIMENSION];    /**< by the projection's own Gauss rule (Eq. C.9);
+                                                  *   blind: 0 for one variable and N_d + 1 points */
+    double relmise_own_total;                    /**< Eq. C.10 */
+    double relmise[HAFT_CHAOS_DIMENSION];        /**< by a quasi-random rule of its own */
+    double relmise_total;                        /**< Eq. C.10 by that rule */
+    double variance[HAFT_CHAOS_DIMENSION];       /**< of the kernel density, in closed form */
+    double variance_error[HAFT_CHAOS_DIMENSION]; /**< share of it that the expansion lacks */
     haft_chaos_distance kernel[HAFT_CHAOS_DIMENSION]; /**< expansion less kernel density */
     haft_chaos_distance data[HAFT_CHAOS_DIMENSION];   /**< expansion less the m vectors */
     double reduction; /**< share of q's variance in the components left out (Eq. 32) */
@@ -306,7 +372,10 @@ haft_status haft_chaos_measure(const haft_chaos *chaos, const haft_chaos_effort 
 
 /** The inverse Rosenblatt map at the first n quasi-random points, in parallel: once for all the
  *  expansions that are to be held against it.
- *  @param[out] xi [n][N_g] in the map's order @param[out] eta [n][N_g] by component */
+ *  @param[in] chaos the model
+ *  @param[in] n points
+ *  @param[out] xi [n][N_g] in the map's order @param[out] eta [n][N_g] by component
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_chaos_map(const haft_chaos *chaos, size_t n, double *xi, double *eta,
                            haft_error *error) HAFT_MUST_CHECK;
 
@@ -314,6 +383,10 @@ haft_status haft_chaos_map(const haft_chaos *chaos, size_t n, double *xi, double
  * of a model of the same vectors, kernels and components, whatever its germ and order. Heavy tails
  * decide it: one vector 15 standard deviations out among 5000 holds 5 % of the variance, and n must
  * be many times the number of vectors to weigh it rightly.
+ *  @param[in] chaos the model
+ *  @param[in] n points of the map
+ *  @param[in] xi [n][N_g] in the order of its Rosenblatt map
+ *  @param[in] eta [n][N_g] the map at them
  *  @param[out] each [N_g] Eq. C.9 @param[out] total Eq. C.10. Thread-safe. */
 void haft_chaos_relmise(const haft_chaos *chaos, size_t n, const double *xi, const double *eta,
                         double *each, double *total);

@@ -21,6 +21,7 @@ typedef struct haft_capillary_spec {
     double contact_angle_2; /**< [rad] */
 } haft_capillary_spec;
 
+/** What condensed water does between two surfaces. */
 typedef struct haft_capillary {
     double kelvin_radius; /**< r_K = gamma V_m / (R T ln RH) [m], negative */
     double pressure;      /**< Laplace pressure R T ln RH / V_m [Pa], negative */
@@ -36,7 +37,7 @@ haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_s
 /** Thickness of the water film adsorbed on one surface at a humidity, by points: linear in between,
  *  proportional to RH below the first, constant beyond the last. */
 typedef struct haft_adsorption {
-    size_t n;
+    size_t n;                /**< points */
     const double *humidity;  /**< increasing, above 0 and below 1 */
     const double *thickness; /**< not falling [m] */
 } haft_adsorption;
@@ -53,6 +54,9 @@ haft_adsorption haft_adsorption_silica(void);
 /** @return HAFT_ERROR_INPUT for no points, points out of order, or thicknesses that are negative,
  * fall or are not finite. */
 haft_status haft_adsorption_check(const haft_adsorption *film, haft_error *error) HAFT_MUST_CHECK;
+
+/** The film's thickness at a humidity [m], of a film that passed haft_adsorption_check().
+ *  Thread-safe. */
 double haft_adsorption_thickness(const haft_adsorption *film, double humidity);
 
 /** Equivalent modulus of two elastic bodies, ((1-nu1^2)/E1 + (1-nu2^2)/E2)^-1 [Pa]. */
@@ -82,10 +86,16 @@ haft_status haft_vdw_from_spec(haft_vdw *out, const haft_vdw_spec *spec,
  *  way out, on which it holds on up to the fold, or that on the way in, on which it jumps. */
 typedef enum haft_vdw_path { HAFT_VDW_SEPARATION, HAFT_VDW_APPROACH } haft_vdw_path;
 
-/** Bounds of lambda and of |approach|, and the table's error in force and radius. */
+/** Least lambda, the adhesion parameter of Maugis. */
 #define HAFT_MAUGIS_LAMBDA_LEAST 1e-4
+
+/** Greatest lambda. */
 #define HAFT_MAUGIS_LAMBDA_MOST 1e2
+
+/** Greatest |approach|, in its unit. */
 #define HAFT_MAUGIS_APPROACH_MOST 1e12
+
+/** The table's error in force and radius, in their units. */
 #define HAFT_MAUGIS_ACCURACY 1e-8
 
 /** A sphere of radius R pressed on a plane by an approach (negative: not yet there), with adhesion
@@ -102,9 +112,10 @@ typedef enum haft_vdw_path { HAFT_VDW_SEPARATION, HAFT_VDW_APPROACH } haft_vdw_p
  *  not touching: force = -(pi/2) lambda c^2, approach = c^2/2 - 8/(3 pi) lambda c - 2/(pi lambda).
  *  Source: Maugis (1992); Johnson and Greenwood (1997); Kim, McMeeking and Johnson (1998). */
 typedef struct haft_maugis {
-    double force, slope; /**< slope: by approach */
-    double radius;       /**< a of the contact; 0 if it does not touch */
-    double reach;        /**< c of the attraction */
+    double force;  /**< pushing positive */
+    double slope;  /**< of the force by approach */
+    double radius; /**< a of the contact; 0 if it does not touch */
+    double reach;  /**< c of the attraction */
 } haft_maugis;
 
 /** Approaches that part its branches; jump and touch do not depend on the way. */
@@ -126,7 +137,11 @@ haft_status haft_maugis_solve(haft_maugis *out, double lambda, double approach, 
 /** Force and radius against lambda and approach, to be made once (a tenth of a second, a megabyte)
  *  and shared by all threads. */
 typedef struct haft_maugis_table haft_maugis_table;
+
+/** Makes the table. @return HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_maugis_table_create(haft_maugis_table **out, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees it and sets the pointer to NULL; NULL is allowed. */
 void haft_maugis_table_destroy(haft_maugis_table **table);
 
 /** The share of the table's cells that miss HAFT_MAUGIS_ACCURACY, all about lambda = 0.938, and are
@@ -154,15 +169,16 @@ typedef enum haft_asperity_model {
     HAFT_ASPERITY_ISLANDS,
 } haft_asperity_model;
 
+/** What acts between a patch and the plane. */
 typedef struct haft_contact_spec {
-    haft_asperity_model asperities;
-    double modulus;         /**< equivalent modulus [Pa] */
-    bool has_capillary;     /**< false: Hertz alone */
-    double pressure;        /**< Laplace pressure [Pa], not positive */
-    double capillary_range; /**< h_C [m] */
-    bool has_vdw;           /**< each asperity a Maugis sphere instead of a Hertzian one */
-    haft_vdw vdw;
-    haft_vdw_path path;
+    haft_asperity_model asperities;  /**< what counts as one */
+    double modulus;                  /**< equivalent modulus [Pa] */
+    bool has_capillary;              /**< false: Hertz alone */
+    double pressure;                 /**< Laplace pressure [Pa], not positive */
+    double capillary_range;          /**< h_C [m] */
+    bool has_vdw;                    /**< each asperity a Maugis sphere instead of a Hertzian one */
+    haft_vdw vdw;                    /**< their attraction; read only with has_vdw */
+    haft_vdw_path path;              /**< which way the patch goes */
     const haft_maugis_table *maugis; /**< borrowed; needed with has_vdw */
 } haft_contact_spec;
 
@@ -171,7 +187,7 @@ typedef struct haft_contact_spec {
  *  without a capillary; the capillary pressure acts on wet_area - contact_area, or on nothing where
  *  that is negative. contact_area, wet_area and asperities may be NULL. */
 typedef struct haft_curve {
-    size_t n;
+    size_t n;               /**< distances, at least 2 */
     const double *distance; /**< [m], strictly increasing, evenly spaced */
     double *force;          /**< f(d) [Pa] */
     double *contact_area;   /**< Hertz area, pi R (z_s - d) summed */
@@ -182,8 +198,13 @@ typedef struct haft_curve {
 /** Scratch for patches of up to rows x columns points (each at least 3, 2^31 in all); one a thread.
  *  Takes about 15 bytes a point. The first curve longer than any before takes a little more. */
 typedef struct haft_contact_work haft_contact_work;
+
+/** Makes the scratch of one thread. @return HAFT_ERROR_ARGUMENT for a size out of range,
+ *  HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_contact_work_create(haft_contact_work **out, size_t rows, size_t columns,
                                      haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees it and sets the pointer to NULL; NULL is allowed. */
 void haft_contact_work_destroy(haft_contact_work **work);
 
 /** f(d) of the patch z[rows][columns] with the given grid step.
@@ -195,8 +216,13 @@ void haft_contact_work_destroy(haft_contact_work **work);
  *  are listed for the summits or, bunched by interval, for the islands, which grow and merge by
  *  union-find.
  *  Source: Hertz (1882); Hoang et al. (2017), Sec. 2.2.2.
+ *  @param[in,out] work scratch of one thread
+ *  @param[in] spec what acts
  *  @param[in] z heights [m], row by row
+ *  @param[in] rows, columns of the patch, at most the work's
  *  @param[in] step of the grid, both ways [m], > 0
+ *  @param[in,out] curve distances in, force and areas out
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT for a distance grid that is not even (to a millionth of its step) or
  *  increasing, a patch larger than the work or a spec out of range; HAFT_ERROR_INPUT for heights
  *  that are not finite; HAFT_ERROR_MEMORY. Thread-safe for distinct work. */
@@ -204,13 +230,27 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
                                const double *z, size_t rows, size_t columns, double step,
                                haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;
 
+/** Whether van der Waals forces can be computed of every asperity that a patch of rows x columns
+ *  points can have, as haft_contact_curve() asks: radii from a thousandth of a step, which no
+ *  sampled asperity has, to a thousand diagonals, which stand for flat.
+ *  @param[in] vdw the forces
+ *  @param[in] modulus equivalent modulus [Pa], > 0
+ *  @param[in] rows points of a patch, > 0; not whole where a patch has a share of a row
+ *  @param[in] columns likewise
+ *  @param[in] step between points [m], > 0
+ *  @param[out] error may be NULL
+ *  @return HAFT_ERROR_INPUT if a lambda is out of the table's bounds. Thread-safe. */
+haft_status haft_contact_check_spheres(const haft_vdw *vdw, double modulus, double rows,
+                                       double columns, double step,
+                                       haft_error *error) HAFT_MUST_CHECK;
+
 /** What a patch looks like where its force vanishes. */
 typedef struct haft_zero_force {
-    bool found; /**< false: no change of sign on the grid */
-    double distance;
-    double contact_area;
-    double wet_area;
-    double asperities; /**< [1/m^2] */
+    bool found;          /**< false: no change of sign on the grid */
+    double distance;     /**< where that is [m] */
+    double contact_area; /**< share of the area */
+    double wet_area;     /**< share of the area */
+    double asperities;   /**< [1/m^2] */
 } haft_zero_force;
 
 /** The distance at which f changes from push to pull, nearest inside that of the greatest pull;

@@ -25,7 +25,8 @@ extern "C" {
 /** Contents of laws.h5: m laws read off curves on n distances, the curves that are kept, and the
  *  stochastic model built from the laws, if there is one. */
 typedef struct haft_laws {
-    size_t m, n;
+    size_t m;                 /**< laws */
+    size_t n;                 /**< distances of a curve */
     size_t sites;             /**< laws a realization; m where a model was built from them */
     size_t first_site;        /**< law i of realization j is j * sites + i, and that of the site
                                    first_site + i: those before never come into range */
@@ -66,7 +67,12 @@ haft_status haft_laws_create_sparse(haft_laws **out, size_t m, size_t curves, si
 const double *haft_laws_curve(const haft_laws *laws, size_t k);
 
 /** A copy of the laws first .. first + count - 1 as one realization's, its first that of the same
- *  site as `first`. @param[in] keep [count] whose curves are to be kept, of those there are */
+ *  site as `first`.
+ *  @param[out] out the copy; NULL after a failure
+ *  @param[in] laws they are copied from
+ *  @param[in] first, count which
+ *  @param[in] keep [count] whose curves are to be kept, of those there are
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t first, size_t count,
                              const bool *keep, haft_error *error) HAFT_MUST_CHECK;
 
@@ -74,11 +80,17 @@ haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t firs
  *  distances. The sets are used up, each destroyed as soon as it is copied. */
 haft_status haft_laws_join(haft_laws **out, haft_laws **set, size_t count,
                            haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees laws and sets the pointer to NULL; NULL is allowed. */
 void haft_laws_destroy(haft_laws **laws);
 
 /** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it over
  *  what is there. Nothing is left behind by a failure. It is made in memory, at twice its size
- *  for a moment. @param[in] c its resolved text and digests go with it.
+ *  for a moment.
+ *  @param[in] laws what is written
+ *  @param[in] c its resolved text and digests go with it
+ *  @param[in] path of laws.h5
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT if m is no multiple of sites, HAFT_ERROR_IO (a full disk too),
  *  HAFT_ERROR_MEMORY or HAFT_ERROR_LIBRARY. */
 haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const char *path,
@@ -87,7 +99,10 @@ haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const cha
 /** Reads and checks laws.h5: checksum, signature, layout version, shapes, finiteness (forces and
  *  distances, and the vectors of sound laws). A file rewritten by another HDF5 tool has no checksum
  *  and is read without that guard.
- *  @param[out] digest may be NULL: the digest of the inputs it was built from.
+ *  @param[out] out the laws; NULL after a failure
+ *  @param[out] digest may be NULL: of the inputs it was built from
+ *  @param[in] path of laws.h5
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged; the
  *  message says how to build it anew. */
 haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,
@@ -97,6 +112,9 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
  * "f_max [MPa]", "d_max [nm]", "d_limit [nm]", in any order; other columns are passed over, save
  * that lines with anything but 0 under "fault" are left out: so the laws.csv of a case can be read.
  *  @param[out] vector [*m], SI; to be freed with haft_memory_free()
+ *  @param[out] m lines read, but for those left out
+ *  @param[in] path of the CSV file
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO, or HAFT_ERROR_INPUT with file, line and column name. Loads a units
  *  database: one thread at a time. */
 haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *path,
@@ -105,9 +123,9 @@ haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *p
 /** What a height map's file may leave unsaid. */
 typedef struct haft_map_options {
     const char *channel; /**< by its name in the file, NULL or "": the first with heights */
-    double width,
-        height;  /**< of the whole map along x and y [m], where its file gives none; else 0 */
-    double unit; /**< of heights, where the file gives none [m]; else 0 */
+    double width;        /**< of the whole map along x [m], where its file gives none; else 0 */
+    double height;       /**< the same along y */
+    double unit;         /**< of heights, where the file gives none [m]; else 0 */
     double lateral_unit; /**< of x and y columns [m]; else 0 */
 } haft_map_options;
 
@@ -125,8 +143,11 @@ typedef struct haft_map_options {
  * m), either from `options` if it has none.
  *
  *  Not-a-number is a missing pixel. Row 0 is the top of the image.
+ *  @param[out] out the map; NULL after a failure
+ *  @param[in] path of the file
  *  @param[in] options may be NULL
  *  @param[out] digest of the file's bytes; may be NULL
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO if the file cannot be read; HAFT_ERROR_INPUT if it is foreign, damaged,
  * cut short, or does not say its units or size and neither does `options`: the message names what
  * would do. Calls HDF5: one thread at a time. */
@@ -139,17 +160,19 @@ haft_status haft_map_write(const haft_map *map, const char *path,
 
 /** One row of results.h5's /summary. */
 typedef struct haft_summary {
-    double crack_length; /**< after unloading [m]; the beam's length if free */
-    double loaded_crack_length;
-    double gamma;            /**< Eq. 36 [J/m^2]; 0 if free */
-    double work, dissipated; /**< [J] */
-    double internal_energy;  /**< strain energy at rest [J] */
-    double end_influence;    /**< see haft_path.end_influence */
-    double ledger_error;
-    double seconds; /**< time taken; the one number that is not reproducible */
-    int outcome;    /**< a haft_outcome */
-    int jumps, steps;
-    int unfit; /**< sites whose curve no Morse law fits */
+    double crack_length;        /**< after unloading [m]; the beam's length if free */
+    double loaded_crack_length; /**< where the loading ends [m] */
+    double gamma;               /**< Eq. 36 [J/m^2]; 0 if free */
+    double work;                /**< of the load [J] */
+    double dissipated;          /**< in jumps [J] */
+    double internal_energy;     /**< strain energy at rest [J] */
+    double end_influence;       /**< see haft_path.end_influence */
+    double ledger_error;        /**< see haft_path.ledger_error */
+    double seconds;             /**< time taken; the one number that is not reproducible */
+    int outcome;                /**< a haft_outcome */
+    int jumps;                  /**< in loading and unloading */
+    int steps;                  /**< accepted */
+    int unfit;                  /**< sites whose curve no Morse law fits */
 } haft_summary;
 
 /** A results file being written: one realization after another, in any order, by one thread at a
@@ -159,15 +182,26 @@ typedef struct haft_summary {
 typedef struct haft_results haft_results;
 
 /** Makes the temporary file PATH.tmp.PID, so that a folder that cannot be written is told at once.
+ *  @param[out] out the file being written; NULL after a failure
+ *  @param[in] path of results.h5
+ *  @param[in] c whose results
  *  @param[in] laws_digest may be NULL: unknown
  *  @param[in] overwrite false: HAFT_ERROR_EXISTS if `path` is there, before anything is written, or
- *  if another process has made it by the time of haft_results_finish(). */
+ *  if another process has made it by the time of haft_results_finish().
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_results_create(haft_results **out, const char *path, const haft_case *c,
                                 const char *laws_digest, bool overwrite,
                                 haft_error *error) HAFT_MUST_CHECK;
 
 /** Adds /realizations/K: its path and jumps, and its evidence where the case asks for it (then the
- *  path must have kept its states). @param[in] laws, vectors one a site of the model
+ *  path must have kept its states).
+ *  @param[in,out] results the file
+ *  @param[in] realization which
+ *  @param[in] path it took
+ *  @param[in] model it was followed on
+ *  @param[in] laws, vectors one a site of the model; NULL where no evidence is asked for
+ *  @param[in] summary its row of /summary
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT for a realization out of range or added before, or for evidence
  *  without states; any other failure lasts: only haft_results_abandon() is of use then. */
 haft_status haft_results_add(haft_results *results, size_t realization, const haft_path *path,
@@ -184,20 +218,40 @@ void haft_results_abandon(haft_results **results);
 
 /* ---- parts: the realizations of an unfinished run ---- */
 
-/** One process's part of a run: a log FOLDER/part-RANK-NUMBER that grows by a checksummed record a
- *  realization. A process that is killed loses what it had not yet appended, no more. */
+/** A share of a run's realizations, for processes that know nothing of each other: those k with
+ *  k mod count = index - 1. Shards 1 .. count are disjoint, and together all there are. */
+typedef struct haft_shard {
+    size_t index; /**< from 1 to count */
+    size_t count; /**< 0: no shard but the whole run */
+} haft_shard;
+
+/** Whether a realization is one of the shard's. Thread-safe. */
+bool haft_shard_has(haft_shard shard, size_t realization);
+
+/** One process's part of a run: a log FOLDER/part-RANK-NUMBER, of a shard
+ *  FOLDER/part-IofN-RANK-NUMBER, that grows by a checksummed record a realization. A process that
+ *  is killed loses what it had not yet appended, no more. */
 typedef struct haft_part haft_part;
 
 /** Starts a new part; it never touches those that are there.
- *  @param[in] rank of the process in the run, for the name alone
+ *  @param[out] out the part; NULL after a failure
+ *  @param[in] folder of parts, which is held
+ *  @param[in] shard, rank of the process in the run, for the name alone
+ *  @param[in] c, laws_digest what its realizations are of
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO (nothing is left behind), HAFT_ERROR_MEMORY. Thread-safe. */
-haft_status haft_part_create(haft_part **out, const char *folder, int rank, const haft_case *c,
-                             const char *laws_digest, haft_error *error) HAFT_MUST_CHECK;
+haft_status haft_part_create(haft_part **out, const char *folder, haft_shard shard, int rank,
+                             const haft_case *c, const char *laws_digest,
+                             haft_error *error) HAFT_MUST_CHECK;
 
 /** Appends one realization, whole or not at all, in any order. The kernel has it on return; the
  * disk within about a second of further appending, or at haft_part_close(). One thread at a time.
+ *  @param[in,out] part grows by a record
+ *  @param[in] realization which
+ *  @param[in] path, summary what became of it
  *  @param[in] laws its own, a set of one realization; NULL where they are drawn from a model
  *  @param[in] dofs unknowns of a state, where the path kept its states
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO (a full disk too): what was appended before stays whole. */
 haft_status haft_part_append(haft_part *part, size_t realization, const haft_path *path,
                              size_t dofs, const haft_summary *summary, const haft_laws *laws,
@@ -207,12 +261,13 @@ haft_status haft_part_append(haft_part *part, size_t realization, const haft_pat
  * handle is gone whatever comes of it. */
 haft_status haft_part_close(haft_part **part, haft_error *error);
 
-/** A folder of parts, held by one run at a time (flock). */
+/** A folder of parts, held (flock) by one run, or by any number of shards, each by one process. */
 typedef struct haft_parts haft_parts;
 
-/** Makes the folder if need be and takes it.
- *  @return HAFT_ERROR_EXISTS if another process holds it, HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
-haft_status haft_parts_hold(haft_parts **out, const char *folder,
+/** Makes the folder if need be and takes it. A shard sees and clears its own parts alone.
+ *  @return HAFT_ERROR_EXISTS if another process holds it or the shard, or if parts of another
+ *  split are there; HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
+haft_status haft_parts_hold(haft_parts **out, const char *folder, haft_shard shard,
                             haft_error *error) HAFT_MUST_CHECK;
 
 /** Gives the folder up, and removes it if no part is left in it; NULL is allowed. */
@@ -227,14 +282,30 @@ haft_status haft_parts_scan(haft_parts *parts, const haft_case *c, const char *l
                             void (*note)(void *user, const char *text), void *user,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** How many part files, and how many realizations in them, the last scan found. */
+/** How many part files the last scan found. */
 size_t haft_parts_files(const haft_parts *parts);
+
+/** How many realizations it found in them. */
 size_t haft_parts_found(const haft_parts *parts);
+
+/** How many records it found of realizations that it had found before: the first of each counts. */
+size_t haft_parts_repeated(const haft_parts *parts);
+
+/** How many shards the parts found are split into; 0 where they are not of shards, or of several
+ *  splits. */
+size_t haft_parts_split(const haft_parts *parts);
+
+/** Whether it found this realization. */
 bool haft_parts_has(const haft_parts *parts, size_t realization);
 
 /** Reads one realization back; its states too, if they were kept.
+ *  @param[out] out its path; NULL after a failure
+ *  @param[out] summary its row
  *  @param[out] laws may be NULL; *laws is NULL where none were kept with it
- *  @param[in] dofs unknowns a state must have */
+ *  @param[in] parts as scanned
+ *  @param[in] realization one that haft_parts_has()
+ *  @param[in] dofs unknowns a state must have
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **laws,
                             const haft_parts *parts, size_t realization, size_t dofs,
                             haft_error *error) HAFT_MUST_CHECK;
@@ -245,12 +316,17 @@ haft_status haft_parts_clear(haft_parts *parts, haft_error *error) HAFT_MUST_CHE
 /** What `haft plot` and `haft info` need of a results file. Reading it checks the whole file
  *  against its checksum; the readers of one realization check the length alone. */
 typedef struct haft_results_view {
-    size_t realizations;
+    size_t realizations;   /**< of the case */
     haft_summary *summary; /**< realizations */
     char *resolved_case;   /**< YAML text */
 } haft_results_view;
+
+/** Reads the summary and the resolved case of results.h5.
+ *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged. */
 haft_status haft_results_read(haft_results_view **out, const char *path,
                               haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a view and sets the pointer to NULL; NULL is allowed. */
 void haft_results_view_destroy(haft_results_view **view);
 
 /** Reads one realization's path and jumps back (no states). */
@@ -259,7 +335,8 @@ haft_status haft_results_read_path(haft_path **out, const char *path, size_t rea
 
 /** Beam shapes kept as evidence. */
 typedef struct haft_results_shapes {
-    size_t points, nodes;
+    size_t points;      /**< accepted states */
+    size_t nodes;       /**< of the mesh */
     double *node_x;     /**< nodes [m] */
     double *deflection; /**< points x nodes [m], towards the substrate */
     double *rotation;   /**< points x nodes */
@@ -268,6 +345,8 @@ typedef struct haft_results_shapes {
 /** @return HAFT_ERROR_INPUT if that realization left no evidence; the message says how to ask. */
 haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path,
                                      size_t realization, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees shapes and sets the pointer to NULL; NULL is allowed. */
 void haft_results_shapes_destroy(haft_results_shapes **shapes);
 
 /** Removes the temporary files of `path` (PATH.tmp.PID) whose processes are no more on this
@@ -279,10 +358,10 @@ haft_status haft_text_write(const char *path, const char *text, haft_error *erro
 
 /** A column of a CSV file. */
 typedef struct haft_csv_column {
-    const char *name; /**< with its unit: "distance [nm]" */
-    const double *value;
-    size_t stride; /**< in doubles; 0 means 1 */
-    double factor; /**< value is multiplied by this on writing; 0 means 1 */
+    const char *name;    /**< with its unit: "distance [nm]" */
+    const double *value; /**< rows numbers, stride apart */
+    size_t stride;       /**< in doubles; 0 means 1 */
+    double factor;       /**< value is multiplied by this on writing; 0 means 1 */
 } haft_csv_column;
 
 /** Writes rows of columns as CSV, first line the names, numbers to 12 digits; whole or not at all

@@ -63,8 +63,10 @@ typedef enum haft_unfit { HAFT_UNFIT_TABLE, HAFT_UNFIT_STOP } haft_unfit;
 
 /** Who says which forces act. */
 typedef enum haft_forces {
-    HAFT_FORCES_GIVEN, /**< the sections there are: contact.capillary, contact.vdw */
-    HAFT_FORCES_AUTO   /**< the humidity, as in the paper: see haft_case_physics() */
+    HAFT_FORCES_GIVEN,     /**< the sections there are: contact.capillary, contact.vdw */
+    HAFT_FORCES_AUTO,      /**< the humidity, as in the paper: see haft_case_physics() */
+    HAFT_FORCES_CAPILLARY, /**< of the sections there are, the capillary alone */
+    HAFT_FORCES_VDW        /**< van der Waals alone, through what the humidity says */
 } haft_forces;
 
 /** Below this humidity van der Waals forces are counted, if forces are chosen by it. */
@@ -98,23 +100,24 @@ enum { HAFT_FILES_MAX = 16, HAFT_PATH_CAPACITY = 1024 };
 
 /** Files that a case names, found from its folder; the resolved case has them in full. */
 typedef struct haft_case_files {
-    size_t count;
-    char path[HAFT_FILES_MAX][HAFT_PATH_CAPACITY];
+    size_t count;                                      /**< files */
+    char path[HAFT_FILES_MAX][HAFT_PATH_CAPACITY];     /**< absolute */
     char digest[HAFT_FILES_MAX][HAFT_DIGEST_CAPACITY]; /**< of their contents */
 } haft_case_files;
 
 /** Maps read and cleaned as a case says. */
 typedef struct haft_map_set {
-    size_t count;
-    haft_map *map[HAFT_FILES_MAX];
+    size_t count;                  /**< maps */
+    haft_map *map[HAFT_FILES_MAX]; /**< owned */
 } haft_map_set;
 
 /** A resolved case: defaults filled in, everything in SI. */
 typedef struct haft_case {
-    char name[HAFT_NAME_CAPACITY];
-    char title[HAFT_TEXT_CAPACITY];
-    uint64_t seed;
+    char name[HAFT_NAME_CAPACITY];  /**< a word */
+    char title[HAFT_TEXT_CAPACITY]; /**< a line */
+    uint64_t seed;                  /**< of all random numbers */
 
+    /** The rough surfaces. */
     struct {
         haft_psd psd;            /**< of a table, its corners */
         double grid_step;        /**< [m] */
@@ -141,6 +144,7 @@ typedef struct haft_case {
         haft_map_set map, opposite;  /**< where maps are given; owned */
     } surface;
 
+    /** What acts between them. */
     struct {
         haft_asperity_model asperities;
         double young_modulus; /**< of both bodies [Pa] */
@@ -163,6 +167,7 @@ typedef struct haft_case {
             distance_step; /**< gaps at which f(d) is evaluated [m] */
     } contact;
 
+    /** How curves become laws, and where the solver's laws come from. */
     struct {
         haft_law_kind kind;
         double f_limit;       /**< [Pa]; 0: by its share */
@@ -176,12 +181,12 @@ typedef struct haft_case {
         } chaos; /**< of a stochastic sampler */
     } law;
 
-    haft_beam_spec beam;
-    haft_mesh_spec mesh; /**< load_position included */
-    haft_programme programme;
-    haft_path_options path;
+    haft_beam_spec beam;      /**< the cantilever */
+    haft_mesh_spec mesh;      /**< load_position included */
+    haft_programme programme; /**< of the load */
+    haft_path_options path;   /**< how finely it is followed */
 
-    size_t realizations;
+    size_t realizations; /**< beams */
 
     /** When a run may end before all realizations are done. */
     struct {
@@ -190,25 +195,27 @@ typedef struct haft_case {
         double confidence;        /**< of this and all other intervals; default 95 % */
     } stop;
 
+    /** Which realizations leave their states in results.h5. */
     struct {
-        bool all;
-        size_t count;
+        bool all;            /**< every one; then `realization` is not read */
+        size_t count;        /**< else how many */
         size_t *realization; /**< which realizations leave evidence; owned by the case */
     } evidence;
 
-    haft_curves_kept curves;
+    haft_curves_kept curves; /**< in laws.h5 */
 
     /** Which variant of the file's sweep this is; a variant is a plain case, and its resolved text
      *  knows nothing of the sweep. */
     struct haft_case_sweep {
-        size_t variants; /**< in the file; 1 without a sweep */
-        size_t variant;  /**< this one */
-        size_t keys;     /**< varied; 0 without a sweep */
-        const char *key[HAFT_SWEPT_KEYS_MAX], *unit[HAFT_SWEPT_KEYS_MAX];
-        double value[HAFT_SWEPT_KEYS_MAX]; /**< in `unit`; a choice's place among the choices */
+        size_t variants;                       /**< in the file; 1 without a sweep */
+        size_t variant;                        /**< this one */
+        size_t keys;                           /**< varied; 0 without a sweep */
+        const char *key[HAFT_SWEPT_KEYS_MAX];  /**< dotted paths: "beam.l_meso" */
+        const char *unit[HAFT_SWEPT_KEYS_MAX]; /**< "1" for a pure number or a choice */
+        double value[HAFT_SWEPT_KEYS_MAX];     /**< in `unit`; a choice's place among the choices */
         char text[HAFT_SWEPT_KEYS_MAX][HAFT_SWEPT_TEXT_CAPACITY]; /**< as written, or its front */
         char label[HAFT_LABEL_CAPACITY]; /**< fit for a folder's name: "02_l_meso-3um" */
-    } sweep;
+    } sweep;                             /**< of the file */
 
     /** Numbers to print beside ours; NaN where the case gives none. */
     struct {
@@ -231,6 +238,8 @@ typedef struct haft_case {
  * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a case with all it owns and sets the pointer to NULL; NULL is allowed. */
 void haft_case_destroy(haft_case **c);
 
 /** Reads one variant of a case with a sweep,
@@ -253,11 +262,14 @@ bool haft_case_wants_evidence(const haft_case *c, size_t realization);
 
 /** The forces that act in a case: those with a section of their own, or, if forces are chosen by
  *  humidity, the capillary alone from HAFT_VDW_HUMIDITY up, both below it, van der Waals alone at
- * 0. Source: Hoang et al. (2017), Sec. 5. */
+ * 0; or one of the two, to see what it does by itself. Source: Hoang et al. (2017), Sec. 5. */
 typedef struct haft_physics {
-    bool capillary, vdw;
-    bool humid; /**< the Hamaker constant is that through water */
+    bool capillary; /**< menisci */
+    bool vdw;       /**< van der Waals forces */
+    bool humid;     /**< the Hamaker constant is that through water */
 } haft_physics;
+
+/** Those of a case. Thread-safe. */
 haft_physics haft_case_physics(const haft_case *c);
 
 /** "capillary", "van der Waals", "capillary and van der Waals" or "contact alone". */

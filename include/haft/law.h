@@ -22,7 +22,7 @@ typedef struct haft_law_vector {
 
 /** Why a curve has no law vector, or a law vector no Morse law. */
 typedef enum haft_law_fault {
-    HAFT_LAW_SOUND = 0,
+    HAFT_LAW_SOUND = 0,     /**< none */
     HAFT_LAW_NO_ATTRACTION, /**< never pulls */
     HAFT_LAW_TWO_WELLS,     /**< two pulls with a barrier between them */
     HAFT_LAW_RANGE_LEFT,    /**< the push does not reach f_limit on the grid */
@@ -35,10 +35,12 @@ typedef enum haft_law_fault {
 /** A short name of a fault ("two wells"), never NULL. */
 const char *haft_law_fault_name(haft_law_fault fault);
 
-/** The limit push f_limit of a law is a number of Pa, or a share of the law's own f_max: functions
- *  take either as one number, a share as haft_law_share(share) = -share. Here is what it comes to
- *  [Pa]: f_limit if positive, else -f_limit f_max. */
+/** What a limit push comes to [Pa]. f_limit is a number of Pa, or a share of the law's own f_max:
+ *  functions take either as one number, a share as haft_law_share(share) = -share. So f_limit if
+ *  positive, else -f_limit f_max. */
 double haft_law_limit(double f_limit, double f_max);
+
+/** A share of f_max, in (0, 1), as functions take it for a limit push: -share. */
 double haft_law_share(double share);
 
 /** Share of f_max by which the pull must sink between two wells to count as a barrier, and that the
@@ -51,8 +53,11 @@ double haft_law_share(double share);
  *  the left of d_max. On a Morse law, whose second derivative jumps at d_max, d_max is good to
  *  first order in the step, f_max to second, e and d_limit to third. Of several faults the first
  *  is told: invalid, no attraction, range right, two wells, range left.
+ *  @param[in] n points
  *  @param[in] distance evenly increasing [m], n >= 4
+ *  @param[in] force [n] at them [Pa], pushing positive
  *  @param[in] f_limit the limit push as haft_law_limit() takes it, not 0
+ *  @param[out] vector set only if the curve is sound
  *  @return the fault; *vector is set only if HAFT_LAW_SOUND. A Morse law may still refuse it
  *  (HAFT_LAW_BOUND): see haft_law_morse(). Thread-safe. */
 haft_law_fault haft_law_characterise(size_t n, const double *distance, const double *force,
@@ -61,17 +66,24 @@ haft_law_fault haft_law_characterise(size_t n, const double *distance, const dou
 /** Table of a curve: piecewise cubic Hermite, monotone between points. */
 typedef struct haft_law_table haft_law_table;
 
-typedef enum haft_law_kind { HAFT_LAW_MORSE, HAFT_LAW_TABLE } haft_law_kind;
+/** What a law is evaluated by. */
+typedef enum haft_law_kind {
+    HAFT_LAW_MORSE, /**< the two-wing Morse law of a vector */
+    HAFT_LAW_TABLE, /**< the curve itself */
+} haft_law_kind;
 
 /** One law; a value, copied freely. A table law borrows its table. */
 typedef struct haft_law {
-    haft_law_kind kind;
-    double f_max, d_max;    /**< greatest pull [Pa] and its gap [m] (0 and NaN: never pulls) */
-    double a_left, a_right; /**< Morse exponents [1/m] */
-    double wall_distance;   /**< below it the wall goes on linearly [m] */
-    double wall_force, wall_slope,
-        wall_potential; /**< f [Pa], f' [Pa/m], Phi [J/m^2] at the wall */
-    const haft_law_table *table;
+    haft_law_kind kind;          /**< what it is evaluated by */
+    double f_max;                /**< greatest pull [Pa]; 0: never pulls */
+    double d_max;                /**< its gap [m]; NaN: never pulls */
+    double a_left;               /**< Morse exponent below d_max [1/m] */
+    double a_right;              /**< and above [1/m] */
+    double wall_distance;        /**< below it the wall goes on linearly [m] */
+    double wall_force;           /**< f at the wall [Pa] */
+    double wall_slope;           /**< f' there [Pa/m] */
+    double wall_potential;       /**< Phi there [J/m^2] */
+    const haft_law_table *table; /**< borrowed; NULL for a Morse law */
 } haft_law;
 
 /** f, f', f'' and Phi at a gap, with Phi' = -f and Phi = 0 at infinity. */
@@ -98,13 +110,19 @@ haft_law_vector haft_law_morse_vector(const haft_law *law);
 /** Makes a table of a curve by monotone cubic Hermite interpolation; left of the first point the
  *  tangent goes on (level if the curve begins rising), right of the last the force is zero.
  *  Third order in the step where the curve is monotone, second at its extrema.
+ *  @param[out] out the table; NULL after a failure
+ *  @param[in] n points
  *  @param[in] distance strictly increasing [m], n >= 4; an even grid is looked up in O(1)
+ *  @param[in] force [n] at them [Pa], pushing positive
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_INPUT if a number is not finite, if the curve pulls at its first point (no
  *  wall), or if its last value, which is taken as 0, exceeds HAFT_LAW_PROMINENCE of the greatest
  *  pull (or, for a curve that never pulls, of the greatest push).
  *  Source: Fritsch and Butland (1984). */
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
                                   const double *force, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a table and sets the pointer to NULL; NULL is allowed. */
 void haft_law_table_destroy(haft_law_table **table);
 
 /** The law of a table, which must outlive it. */
@@ -114,10 +132,44 @@ haft_law haft_law_from_table(const haft_law_table *table);
  * m (the potential of the wall grows by d^2). Thread-safe. */
 haft_law_value haft_law_evaluate(const haft_law *law, double d);
 
-/** Force, slope and potential of n laws, law i at gap d[i]: the same bits as haft_law_evaluate(),
- * in less time. Thread-safe. */
-void haft_law_evaluate_many(const haft_law *law, size_t n, const double *d, double *force,
-                            double *slope, double *potential);
+/** Laws laid out for evaluation many at a time. Tables are borrowed. */
+typedef struct haft_law_rows haft_law_rows;
+
+/** How many laws are evaluated together. Arrays that go with n laws have room for
+ *  haft_law_lanes(n), for work is done in whole lanes, from wherever a stretch begins. */
+enum { HAFT_LAW_LANES = 8 };
+static inline size_t haft_law_lanes(size_t n) {
+    return (n + 2 * HAFT_LAW_LANES - 1) / HAFT_LAW_LANES * HAFT_LAW_LANES;
+}
+
+/** Lays laws out. A law's tables must outlive the rows.
+ *  @param[out] out the rows, to be destroyed
+ *  @param[in] n how many laws
+ *  @param[in] laws n of them; copied, but for their tables
+ *  @param[out] error may be NULL
+ *  @return HAFT_OK or HAFT_ERROR_MEMORY. Thread-safe. */
+haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *laws,
+                                 haft_error *error) HAFT_MUST_CHECK;
+/** Frees rows and sets the pointer to NULL; NULL is allowed. */
+void haft_law_rows_destroy(haft_law_rows **rows);
+
+/** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. */
+typedef struct haft_law_values {
+    double *force;     /**< [Pa] */
+    double *slope;     /**< [Pa/m] */
+    double *curvature; /**< [Pa/m^2] */
+    double *potential; /**< [J/m^2] */
+} haft_law_values;
+
+/** Values of n laws from law `first` on, that of law first + i at gap d[i]: the same bits as
+ *  haft_law_evaluate(), in a fraction of the time.
+ *  @param[in] rows the laws
+ *  @param[in] first the first of them asked for
+ *  @param[in] n how many, first + n at most as many as there are
+ *  @param[in] d haft_law_lanes(n) gaps [m]; those from n on may be read and must be finite
+ *  @param[out] out those from n on are of no law. Thread-safe. */
+void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                            const haft_law_values *out);
 
 /** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the
  *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
@@ -131,13 +183,18 @@ double haft_law_range(const haft_law *law);
 /** The misfit of a law to the curve it stands for: integral |f_law - f| from the law's wall to the
  *  curve's end, over that of the curve's pull, by the trapezoidal rule on its points. 0 for a law
  *  that is the curve; 1 if as much energy is out of place as there is.
+ *  @param[in] law held against the curve
+ *  @param[in] n points
  *  @param[in] distance increasing [m], n >= 2
+ *  @param[in] force [n] of the curve at them [Pa]
  *  @return no finite number for a curve that never pulls. Thread-safe. */
 double haft_law_misfit(const haft_law *law, size_t n, const double *distance, const double *force);
 
 /** The energy of a curve's pull, e of haft_law_characterise(), whatever faults the curve has: that
  * of all its wells.
- *  @param[in] distance increasing [m], n >= 2
+ *  @param[in] n points, >= 2
+ *  @param[in] distance n gaps, increasing [m]
+ *  @param[in] force n of them [Pa]
  *  @return [J/m^2], 0 for a curve that never pulls. Thread-safe. */
 double haft_law_energy(size_t n, const double *distance, const double *force);
 

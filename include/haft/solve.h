@@ -43,9 +43,15 @@ typedef enum haft_outcome {
                                     too late, and the exact one is called for */
     HAFT_OUTCOMES              /**< how many there are */
 } haft_outcome;
+
+/** A short name of an outcome ("stuck"), never NULL. */
 const char *haft_outcome_name(haft_outcome outcome);
 
-typedef enum haft_jump_kind { HAFT_JUMP_PULL_IN, HAFT_JUMP_PULL_OUT } haft_jump_kind;
+/** Which way a jump went. */
+typedef enum haft_jump_kind {
+    HAFT_JUMP_PULL_IN,  /**< the gaps closed */
+    HAFT_JUMP_PULL_OUT, /**< they opened */
+} haft_jump_kind;
 
 /** How a branch ended. */
 typedef enum haft_departure {
@@ -60,61 +66,79 @@ typedef struct haft_path_point {
     double deflection;      /**< w(x_P) [m] */
     double crack_length;    /**< [m] */
     double internal_energy; /**< strain energy */
-    double contact_energy;
-    double work;        /**< of the load */
-    double dissipated;  /**< in jumps */
-    double lambda_min;  /**< smallest eigenvalue of H phi = lambda M phi, scaled: > 0 */
-    double least_pivot; /**< smallest pivot of the factored Hessian over its largest: > 0 */
-    int phase;          /**< 0 loading, 1 unloading */
-    int jump;           /**< index of the jump that led here, -1 if none */
+    double contact_energy;  /**< sum A_r Phi_r(d_r) */
+    double work;            /**< of the load */
+    double dissipated;      /**< in jumps */
+    double lambda_min;      /**< smallest eigenvalue of H phi = lambda M phi, scaled: > 0 */
+    double least_pivot;     /**< smallest pivot of the factored Hessian over its largest: > 0 */
+    int phase;              /**< 0 loading, 1 unloading */
+    int jump;               /**< index of the jump that led here, -1 if none */
 } haft_path_point;
 
 /** One jump at constant load. */
 typedef struct haft_jump {
-    haft_jump_kind kind; /**< pull-in if the gaps closed */
-    int phase;
-    haft_departure departure;
-    double load;                      /**< of the fold [N] */
-    int site;                         /**< the site that moves most in the fold's null vector */
-    int sites_switched;               /**< sites that came into or went out of reach */
-    double crack_before, crack_after; /**< [m] */
-    double dissipated;                /**< fall of Pi at the fold's load [J], > 0 */
-    double internal_before, internal_after; /**< strain energy at the fold and at the landing [J] */
-    int flow_steps;
+    haft_jump_kind kind;      /**< pull-in if the gaps closed */
+    int phase;                /**< 0 loading, 1 unloading */
+    haft_departure departure; /**< how the branch before ended */
+    double load;              /**< of the fold [N] */
+    int site;                 /**< the site that moves most in the fold's null vector */
+    int sites_switched;       /**< sites that came into or went out of reach */
+    double crack_before;      /**< crack length at the fold [m] */
+    double crack_after;       /**< and at the landing [m] */
+    double dissipated;        /**< fall of Pi at the fold's load [J], > 0 */
+    double internal_before;   /**< strain energy at the fold [J] */
+    double internal_after;    /**< and at the landing [J] */
+    int flow_steps;           /**< of the landing */
     double fold_defect; /**< |dP/dtau| left at the located fold, relative to the branch's own; 0 at
  other departures */
 } haft_jump;
 
 /** Work done by the solver, for reports of cost. */
 typedef struct haft_path_cost {
-    size_t steps, rejected, newton_iterations, factorizations, solves, folds, flow_steps;
+    size_t steps;             /**< accepted */
+    size_t rejected;          /**< steps tried and halved */
+    size_t newton_iterations; /**< of correctors, folds and landings */
+    size_t factorizations;    /**< of a Hessian */
+    size_t solves;            /**< with a factored Hessian */
+    size_t folds;             /**< located */
+    size_t flow_steps;        /**< of all landings */
 } haft_path_cost;
 
 /** A path, grown by haft_solve_path() and owned by the caller. */
 typedef struct haft_path {
-    size_t points, jumps;
-    haft_path_point *point;
-    haft_jump *jump;
-    double *state;       /**< points x dofs (keep_states), else NULL: scaled unknowns */
-    double *final_state; /**< dofs */
-    size_t turn;         /**< index of the last point of the loading */
-    bool turned_by_load; /**< the loading ended at the load limit, not at the crack length */
-    haft_outcome outcome;
+    size_t points;          /**< accepted states */
+    size_t jumps;           /**< between them */
+    haft_path_point *point; /**< points */
+    haft_jump *jump;        /**< jumps */
+    double *state;          /**< points x dofs (keep_states), else NULL: scaled unknowns */
+    double *final_state;    /**< dofs */
+    size_t turn;            /**< index of the last point of the loading */
+    bool turned_by_load;    /**< the loading ended at the load limit, not at the crack length */
+    haft_outcome outcome;   /**< why it ended */
     double ledger_error;  /**< greatest |work - energy - dissipated| over the path / total |work| */
     double end_influence; /**< of the free end of a stuck beam on its crack's tip: the tip's share
                              of the deflection that a force at the end makes, |w_tip / w_end|.
                              Small: the beam is long enough, more of it would change nothing. 0 of a
                                beam let go and of a structure that is no beam, NaN if not solved */
-    haft_path_cost cost;
-    size_t point_capacity, jump_capacity;
+    haft_path_cost cost;  /**< what it took */
+    size_t point_capacity; /**< room in `point` */
+    size_t jump_capacity;  /**< room in `jump` */
 } haft_path;
 
 /** Follows the programme. Not converging is an outcome, not an error: what was followed so far is
- *  in the path. @param[in] laws one a site of the model
+ *  in the path.
+ *  @param[out] out the path; NULL after a failure
+ *  @param[in] model the structure
+ *  @param[in] laws one a site of the model
+ *  @param[in] programme of the load
+ *  @param[in] options how finely; NULL: all defaults
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_ARGUMENT or HAFT_ERROR_LIBRARY. Thread-safe. */
 haft_status haft_solve_path(haft_path **out, const haft_model *model, const haft_law *laws,
                             const haft_programme *programme, const haft_path_options *options,
                             haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a path and sets the pointer to NULL; NULL is allowed. */
 void haft_path_destroy(haft_path **path);
 
 #ifdef __cplusplus

@@ -15,7 +15,10 @@ extern "C" {
 
 /** Interval of the difference of two means whose deviations may differ, second less first:
  *  Student's t with the degrees of freedom of Welch and Satterthwaite.
+ *  @param[in] mean of the two sets
  *  @param[in] deviation with n - 1
+ *  @param[in] n how many of each
+ *  @param[in] confidence in (0, 1)
  *  @return NaN where one has fewer than two. Thread-safe. Source: Welch (1947). */
 haft_interval haft_study_difference_interval(const double mean[2], const double deviation[2],
                                              const size_t n[2], double confidence);
@@ -24,12 +27,19 @@ haft_interval haft_study_difference_interval(const double mean[2], const double 
  *  first, and of the beams that stuck; free beams count in the shares and, as longer than any
  *  other, in the test of the two distributions. */
 typedef struct haft_difference {
-    double confidence;
+    double confidence;                 /**< of the intervals */
     double difference;                 /**< of the means [m] */
+    double mean_error;                 /**< standard error of that difference [m] */
     haft_interval difference_interval; /**< Welch: takes the two sets as independent */
     double
         distance; /**< greatest distance of the two empirical distributions (Kolmogorov-Smirnov) */
     double p_value;               /**< of a distance as great if both were of one distribution */
+    double deviation_shift;       /**< of the standard deviations [m] */
+    double deviation_error;       /**< its standard error from fourth moments, for any law [m] */
+    double w1;                    /**< Wasserstein-1 distance of those that stuck [m] */
+    double w1_error;              /**< its standard error by the bootstrap [m] */
+    double w1_by_chance;          /**< what it would be on average if both were of one law, by
+                                       permutation [m] */
     double share_difference;      /**< of the shares that stuck */
     haft_interval share_interval; /**< from the two Clopper-Pearson intervals by Newcombe's (1998)
                                      square-and-add rule */
@@ -42,8 +52,15 @@ typedef struct haft_difference {
     double correlation;          /**< of the pairs' crack lengths; what pairing is worth */
 } haft_difference;
 
-/** @param[in] first, second their beams and how many there are; beams that were not run or failed
- *  are left out. @return HAFT_ERROR_MEMORY. Thread-safe. */
+/** Holds a second set of beams against a first; those that were not run or failed are left out.
+ *  What needs two that stuck on either side is NaN where there are fewer. 400 rounds of bootstrap
+ *  and permutation, of a fixed seed: the same every time.
+ *  @param[out] out what differs
+ *  @param[in] first, second their cases
+ *  @param[in] first_beam, first_beams the first's beams and how many
+ *  @param[in] second_beam, second_beams the second's
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_study_differ(haft_difference *out, const haft_case *first,
                               const haft_summary *first_beam, size_t first_beams,
                               const haft_case *second, const haft_summary *second_beam,
@@ -58,35 +75,43 @@ double haft_study_kolmogorov(double distance, size_t n1, size_t n2);
 
 /* ---- what a result rests on ---- */
 
+/** What came of trying something. */
 typedef enum haft_verdict {
-    HAFT_VERDICT_HOLDS,
+    HAFT_VERDICT_HOLDS,    /**< as it should */
     HAFT_VERDICT_UNKNOWN,  /**< the case does not say enough to tell */
     HAFT_VERDICT_DOUBTFUL, /**< at the edge of where it may be used */
-    HAFT_VERDICT_BROKEN,
+    HAFT_VERDICT_BROKEN,   /**< outside of where it may be used */
 } haft_verdict;
 
 /** One thing that a result rests on, tried. */
 typedef struct haft_finding {
-    const char *subject; /**< a few words */
-    bool assumption;     /**< of the model; else of its computation */
-    haft_verdict verdict;
-    double value;   /**< the number it was judged by, in SI */
-    double limit;   /**< the bound it was held against; NaN for none */
+    const char *subject;  /**< a few words */
+    bool assumption;      /**< of the model; else of its computation */
+    haft_verdict verdict; /**< what came of it */
+    double value;         /**< the number it was judged by, in SI */
+    double limit;         /**< the bound it was held against; NaN for none */
     char text[480]; /**< whole sentences, with numbers and units, for someone new to the method */
 } haft_finding;
 
 enum { HAFT_FINDINGS_MAX = 24 };
 
+/** All that was tried. */
 typedef struct haft_findings {
-    size_t count;
-    haft_finding finding[HAFT_FINDINGS_MAX];
+    size_t count;                            /**< how many */
+    haft_finding finding[HAFT_FINDINGS_MAX]; /**< count, in the order they are told */
 } haft_findings;
 
 /** Tries all that a finished run rests on: certificates and ledger of every beam, resolved scales,
  *  the number of beams; and of the model the separation of scales, elastic asperities, separate
  *  menisci, laws used where they were computed.
+ *  @param[out] out what was found
+ *  @param[in] c the case
+ *  @param[in] laws its laws
+ *  @param[in] results_path of results.h5
+ *  @param[in] summary its beams
  *  @param[in] realization whose shapes stand for all
- *  Not thread-safe (HDF5, FFTW planner). */
+ *  Not thread-safe (HDF5, FFTW planner).
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_study_find(haft_findings *out, const haft_case *c, const haft_laws *laws,
                             const char *results_path, const haft_summary *summary,
                             size_t realization, haft_error *error) HAFT_MUST_CHECK;
@@ -108,7 +133,8 @@ typedef struct haft_budget_term {
     bool paired;       /**< the same beams in both; else independent ones */
     size_t beams;      /**< that stuck, in both or in the smaller set */
     size_t switched;   /**< stuck in one, free in the other; of paired ones */
-    double from, to;   /**< mean crack length without the change and with it [m] */
+    double from;       /**< mean crack length without the change [m] */
+    double to;         /**< and with it [m] */
     double shift;      /**< mean change of the crack length [m] */
     double half_width; /**< of its interval [m] */
     double cost;       /**< time of a beam, laws included, with the change over that without */
@@ -116,25 +142,34 @@ typedef struct haft_budget_term {
 
 enum { HAFT_BUDGET_TERMS_MAX = 12 };
 
+/** What a mean crack length owes to all choices of its case. */
 typedef struct haft_budget {
-    size_t beams;      /**< followed for each term */
-    double confidence; /**< of half widths */
-    double mean;       /**< of the case as it is, over these beams [m] */
-    size_t count;
-    haft_budget_term term[HAFT_BUDGET_TERMS_MAX];
+    size_t beams;                                 /**< followed for each term */
+    double confidence;                            /**< of half widths */
+    double mean;                                  /**< of the case as it is, over these beams [m] */
+    size_t count;                                 /**< terms */
+    haft_budget_term term[HAFT_BUDGET_TERMS_MAX]; /**< count, each change alone */
     double sampling;           /**< half width of the mean over all beams of the case [m] */
     size_t sampled;            /**< how many those are */
     double total;              /**< sum of |shift| over the refinements [m] */
     double total_half_width;   /**< of it, root of the sum of their squares [m] */
     double models;             /**< sum of |shift| over the other models [m] */
     haft_budget_term together; /**< all refinements at once */
+    haft_budget_term
+        interaction; /**< what those change beyond the sum of the refinements one by one, beam by
+                          beam; not measured where a term has other beams on its two sides */
 } haft_budget;
 
 /** Measures the budget of a case's mean crack length: for each approximation the beams 0 to
  *  beams - 1 are followed with and without it. Laws and beams of a term have random numbers in
  *  common wherever the two share what they are drawn for.
- *  @param[in] directory, an existing folder: the resolved cases of the variants are kept there
+ *  @param[out] out the budget
+ *  @param[in] c the case
+ *  @param[in] beams a term, at least 2
  *  @param[in] headline statistics of the whole run, for the sampling error; NULL: of these beams
+ *  @param[in] directory an existing folder: the resolved cases of the variants are kept there
+ *  @param[in] progress may be NULL
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT for fewer than 2 beams; HAFT_ERROR_INTERRUPTED if stopped. Not
  *  thread-safe. */
 haft_status haft_study_budget(haft_budget *out, const haft_case *c, size_t beams,

@@ -59,13 +59,20 @@ typedef struct haft_psd_table {
     double *count; /**< independent numbers behind s, an error of s/sqrt(count); NULL: exact */
 } haft_psd_table;
 
+/** Makes a table of n points, all 0, without counts. @return HAFT_ERROR_MEMORY. */
 haft_status haft_psd_table_create(haft_psd_table **out, size_t n,
                                   haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a table and sets the pointer to NULL; NULL is allowed. */
 void haft_psd_table_destroy(haft_psd_table **table);
 
 /** Finite, increasing, positive, at least two points. */
 haft_status haft_psd_table_check(const haft_psd_table *table, haft_error *error) HAFT_MUST_CHECK;
+
+/** s(zeta) of a checked table [m^4]. Thread-safe. */
 double haft_psd_table_value(const haft_psd_table *table, double zeta);
+
+/** The moments of a checked table, its powers integrated in closed form. Thread-safe. */
 haft_psd_moments haft_psd_table_get_moments(const haft_psd_table *table);
 
 /** The distribution of heights at a point, as a transformation q of a standard normal number: mean
@@ -82,10 +89,16 @@ haft_status haft_marginal_johnson(haft_marginal **out, double skewness, double k
 
 /** The heights' own distribution: their quantile function against the normal one; beyond the
  * outermost heights it goes on as a straight line with the slope from the 1 % quantile on.
- *  @param[in] z heights, NAN ones left out; at least 100 @return HAFT_ERROR_INPUT for fewer, or no
+ *  @param[out] out the marginal; NULL after a failure
+ *  @param[in] n heights
+ *  @param[in] z heights, NAN ones left out; at least 100
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INPUT for fewer, or no
  *  variance. */
 haft_status haft_marginal_from_heights(haft_marginal **out, size_t n, const double *z,
                                        haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a marginal and sets the pointer to NULL; NULL is allowed. */
 void haft_marginal_destroy(haft_marginal **marginal);
 
 /** q(g), by cubic interpolation of a table. Thread-safe. */
@@ -93,9 +106,12 @@ double haft_marginal_value(const haft_marginal *marginal, double g);
 
 /** What it is ("Johnson SU", ...), and the moments of q(g), by quadrature. */
 typedef struct haft_marginal_facts {
-    const char *name;
-    double skewness, kurtosis;
+    const char *name; /**< of the family */
+    double skewness;  /**< m3 / m2^1.5 */
+    double kurtosis;  /**< m4 / m2^2, 3 if normal */
 } haft_marginal_facts;
+
+/** Those of a marginal. Thread-safe. */
 haft_marginal_facts haft_marginal_get_facts(const haft_marginal *marginal);
 
 /** A plan to generate surfaces: read-only once made, shared by any number of threads.
@@ -116,8 +132,9 @@ typedef struct haft_surface_plan haft_surface_plan;
 /** The scratch of one thread: its buffers. */
 typedef struct haft_surface_work haft_surface_work;
 
+/** What a surface shall be like. */
 typedef struct haft_surface_spec {
-    haft_psd psd;
+    haft_psd psd; /**< where there is no table */
     const haft_psd_table
         *table; /**< if not NULL, the PSD, instead of psd; only read while planning */
     const haft_marginal *marginal; /**< NULL: Gaussian; must outlive the plan */
@@ -126,7 +143,7 @@ typedef struct haft_surface_spec {
     size_t columns;   /**< fine columns (across the beam); a multiple of the lattice ratio */
     double tolerance; /**< energy the taper may take from the kernel, relative, 1e-9 to 0.1; 0 for
                            1e-5 */
-    haft_random_key key;
+    haft_random_key key; /**< of the noise */
 } haft_surface_spec;
 
 /** The number of fine steps in a lattice step for this PSD and grid, or 0 if the grid is too coarse
@@ -138,13 +155,15 @@ size_t haft_surface_lattice_ratio(const haft_psd *psd, double grid_step);
  *  names the nearest value that does. Not thread-safe (FFTW planner). */
 haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface_spec *spec,
                                      haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a plan and sets the pointer to NULL; NULL is allowed. Not thread-safe (FFTW planner). */
 void haft_surface_plan_destroy(haft_surface_plan **plan);
 
 /** Facts of a plan. Moments are those of the generated field itself (tapered, on its grid; with a
  *  marginal those of g, scaled to the PSD's variance), exact sums over the kernel's transform, to
  * be compared with haft_psd_get_moments(). */
 typedef struct haft_surface_facts {
-    size_t lattice_ratio;
+    size_t lattice_ratio;         /**< fine steps in a lattice step */
     double reach;                 /**< the kernel's radius [m] */
     double taper_loss;            /**< kernel energy taken by the taper, relative */
     haft_psd_moments moments;     /**< of the generated field: spectral derivatives */
@@ -159,6 +178,8 @@ typedef struct haft_surface_facts {
     double leak; /**< kernel energy smeared beyond the lattice's band, relative: by how much the
                       variance may differ between fine points of a lattice cell */
 } haft_surface_facts;
+
+/** Those of a plan. Thread-safe. */
 void haft_surface_get_facts(const haft_surface_plan *plan, haft_surface_facts *facts);
 
 /** Covariance E[z(x, y) z(x + i step, y + j step)] of the generated field [m^2], exact (the mean
@@ -170,6 +191,8 @@ double haft_surface_covariance(const haft_surface_plan *plan, long i, long j);
  *  the plan. */
 haft_status haft_surface_work_create(haft_surface_work **out, const haft_surface_plan *plan,
                                      haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees it and sets the pointer to NULL; NULL is allowed. */
 void haft_surface_work_destroy(haft_surface_work **work);
 
 /** Prepares the block whose first row is `first_row` of the surface numbered (realization, stream).

@@ -17,8 +17,10 @@ enum { HAFT_CHANNEL_CAPACITY = 64 };
 
 /** Heights on a rectangular grid. Owned by whoever made it. */
 typedef struct haft_map {
-    size_t rows, columns;                /**< at least 2 each */
-    double step_row, step_column;        /**< pixel along y and along x [m] */
+    size_t rows;                         /**< at least 2 */
+    size_t columns;                      /**< at least 2 */
+    double step_row;                     /**< pixel along y [m] */
+    double step_column;                  /**< pixel along x [m] */
     double *z;                           /**< rows x columns [m], NAN where missing */
     char channel[HAFT_CHANNEL_CAPACITY]; /**< what the file calls it */
     char format[HAFT_CHANNEL_CAPACITY];  /**< what kind of file it came from */
@@ -28,7 +30,11 @@ typedef struct haft_map {
  *  pixel that is not positive. */
 haft_status haft_map_create(haft_map **out, size_t rows, size_t columns, double step_row,
                             double step_column, haft_error *error) HAFT_MUST_CHECK;
+
+/** A copy of a map. @return HAFT_ERROR_MEMORY. */
 haft_status haft_map_copy(haft_map **out, const haft_map *map, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a map and sets the pointer to NULL; NULL is allowed. */
 void haft_map_destroy(haft_map **map);
 
 /** What is taken off a map before anything is read from it, by least squares over its pixels. */
@@ -45,6 +51,7 @@ typedef enum haft_missing {
     HAFT_MISSING_FILL,    /**< the harmonic surface through their border, sum of neighbours = 4 z */
 } haft_missing;
 
+/** What a map is multiplied by before its transform, along x and along y. */
 typedef enum haft_window {
     HAFT_WINDOW_NONE,
     HAFT_WINDOW_HANN,     /**< sin^2(pi t), t from 0 to 1 over the side, pixel centres */
@@ -67,29 +74,42 @@ haft_status haft_map_mask(haft_map *map, double limit, size_t *masked,
  *  gradients). */
 haft_status haft_map_fill(haft_map *map, haft_error *error) HAFT_MUST_CHECK;
 
+/** What is done with a map before anything is read from it. */
 typedef struct haft_clean_spec {
-    haft_level level;
+    haft_level level;     /**< what is taken off */
     double outlier_limit; /**< see haft_map_mask(); 0: none are masked */
-    haft_missing missing;
+    haft_missing missing; /**< what becomes of missing pixels */
 } haft_clean_spec;
 
+/** What cleaning a map found. */
 typedef struct haft_clean_facts {
-    size_t missing, masked; /**< pixels that the file lacked, and that were masked as outliers */
+    size_t missing; /**< pixels that the file lacked */
+    size_t masked;  /**< pixels masked as outliers */
 } haft_clean_facts;
 
-/** Levels, masks, levels again without what was masked, fills if asked. @param[out] facts may be
- *  NULL. */
+/** Levels, masks, levels again without what was masked, fills if asked.
+ *  @param[in,out] map cleaned in place
+ *  @param[in] spec what is done
+ *  @param[out] facts may be
+ *  NULL.
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_map_clean(haft_map *map, const haft_clean_spec *spec, haft_clean_facts *facts,
                            haft_error *error) HAFT_MUST_CHECK;
 
 /** Moments of heights over the pixels that are there, about their mean. */
 typedef struct haft_map_statistics {
-    size_t pixels, missing;
-    double mean, rms;                /**< [m] */
-    double skewness, kurtosis;       /**< m3/m2^1.5 and m4/m2^2 (3 if normal) */
-    double least, greatest;          /**< [m] */
-    double slope_x, slope_y;         /**< variance of central-difference slopes along x and y */
-    double curvature_x, curvature_y; /**< variance of second differences [1/m^2] */
+    size_t pixels;             /**< in all */
+    size_t missing;            /**< of them */
+    double mean;               /**< [m] */
+    double rms;                /**< about the mean [m] */
+    double skewness;           /**< m3/m2^1.5 */
+    double kurtosis;           /**< m4/m2^2, 3 if normal */
+    double least;              /**< [m] */
+    double greatest;           /**< [m] */
+    double slope_x;            /**< variance of central-difference slopes along x */
+    double slope_y;            /**< and along y */
+    double curvature_x;        /**< variance of second differences along x [1/m^2] */
+    double curvature_y;        /**< and along y [1/m^2] */
     haft_psd_moments moments;  /**< m0, and the means of x and y by differences; NAN without three
                                     pixels in a row */
     double correlation_length; /**< where the radial autocorrelation falls to 1/e [m]; NAN if it
@@ -106,7 +126,10 @@ haft_status haft_map_get_statistics(haft_map_statistics *out, const haft_map *ma
  *  sum w^2 (z - mean_w)^2 / sum w^2 times the cell of wave vectors: the variance. mean_w is the
  * mean weighted by w. A missing pixel has w = 0.
  *  @param[out] s rows x columns [m^4], in the order of the transform
- *  Source: Hoang et al. (2017), Eq. 9, in the convention of surface.h. Not thread-safe (FFTW). */
+ *  @param[in] map cleaned
+ *  @param[in] window it is multiplied by
+ *  Source: Hoang et al. (2017), Eq. 9, in the convention of surface.h. Not thread-safe (FFTW).
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window,
                               haft_error *error) HAFT_MUST_CHECK;
 
@@ -116,7 +139,11 @@ haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window
  * less what a ring's width adds to it by the PSD's bend. Its count is half the modes (they are real
  * fields' conjugate pairs) over N sum w^4 / (sum w^2)^2, by which the window makes neighbours
  * depend on each other.
+ *  @param[out] out the PSD; NULL after a failure
+ *  @param[in] n how many maps
+ *  @param[in] maps [n]
  *  @param[in] window applied to each map
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_INPUT for no maps or a map without variance. Not thread-safe (FFTW). */
 haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *const *maps,
                               haft_window window, haft_error *error) HAFT_MUST_CHECK;
@@ -135,17 +162,21 @@ double haft_psd_tip_limit(const haft_psd_table *table, double radius);
 /** PSD of the gap between two faces, s1 + s2 + 2 coherence sqrt(s1 s2), heights being counted out
  * of either body: coherence 0 for independent faces (Hoang et al. 2017, Eq. 11), -1 for faces that
  *  mate, 1 for mirror images. On the points of both where both reach.
- *  @param[in] coherence -1 to 1 */
+ *  @param[out] out the PSD; NULL after a failure
+ *  @param[in] first, second of the faces
+ *  @param[in] coherence -1 to 1
+ *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_psd_combine(haft_psd_table **out, const haft_psd_table *first,
                              const haft_psd_table *second, double coherence,
                              haft_error *error) HAFT_MUST_CHECK;
 
 /** A self-affine PSD fitted to a table. */
 typedef struct haft_psd_fit {
-    haft_psd psd;
-    double hurst;           /**< s ~ zeta^-(2 + 2 H) beyond the roll-off */
-    double low[3], high[3]; /**< 95 % intervals of s_0 [m^4], zeta_0 [rad/m] and H */
-    double misfit;          /**< chi^2 a degree of freedom */
+    haft_psd psd;   /**< of least squares */
+    double hurst;   /**< s ~ zeta^-(2 + 2 H) beyond the roll-off */
+    double low[3];  /**< lower ends of 95 % intervals of s_0 [m^4], zeta_0 [rad/m] and H */
+    double high[3]; /**< and their upper ends */
+    double misfit;  /**< chi^2 a degree of freedom */
 } haft_psd_fit;
 
 /** Least squares of log s with the weights of the counts: log of a mean of N exponential numbers
@@ -165,20 +196,24 @@ haft_status haft_psd_fit_self_affine(haft_psd_fit *out, const haft_psd_table *ta
  * made. */
 typedef struct haft_tiling haft_tiling;
 
+/** What patches are laid out of. */
 typedef struct haft_tiling_spec {
-    size_t n; /**< maps of the face, cleaned, without missing pixels */
-    const haft_map *const *maps;
+    size_t n;                    /**< maps of the face, cleaned, without missing pixels */
+    const haft_map *const *maps; /**< n */
     size_t opposite_n; /**< of the other face, 0: it is flat; the heights of both are added */
-    const haft_map *const *opposite;
-    double grid_step;     /**< [m] */
-    size_t rows, columns; /**< of a patch, grid points */
-    uint64_t seed;
+    const haft_map *const *opposite; /**< opposite_n */
+    double grid_step;                /**< [m] */
+    size_t rows;                     /**< grid points of a patch along the beam */
+    size_t columns;                  /**< and across it */
+    uint64_t seed;                   /**< of what is drawn */
 } haft_tiling_spec;
 
 /** @return HAFT_ERROR_INPUT for no maps, missing pixels, or a map of fewer than 4 grid points a
  * side. */
 haft_status haft_tiling_create(haft_tiling **out, const haft_tiling_spec *spec,
                                haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees a tiling and sets the pointer to NULL; NULL is allowed. */
 void haft_tiling_destroy(haft_tiling **tiling);
 
 /** The patch numbered (realization, stream): z[rows][columns] [m]. Thread-safe. */

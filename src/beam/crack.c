@@ -5,6 +5,7 @@
 #include "haft/beam.h"
 
 #include <math.h>
+#include <stdint.h>
 
 static double node_value(const haft_model *model, const double *u, size_t node, int rotation) {
     if (node == 0) {
@@ -96,23 +97,36 @@ static double first_reach(const double c[4], double level, double a, double b) {
     return NAN;
 }
 
-double haft_model_crack_length(const haft_model *model, const haft_law *laws, const double *u,
-                               double share) {
+/* No less than the greatest w over an element: that of its cubic's control polygon, and a margin
+ * for rounding. */
+static double bound(const double c[4], double gap) {
+    double start = c[0], first = c[0] + c[1] / 3, second = first + (c[1] + c[2]) / 3;
+    double end = c[0] + c[1] + c[2] + c[3];
+    return fmax(fmax(start, first), fmax(second, end)) + 1e-12 * gap;
+}
+
+double haft_model_crack_length(const haft_model *model, const double *reach, const double *u) {
     double end = model->nodes > 0 ? model->node_x[model->nodes - 1] : 0;
-    double left = 0;
-    size_t e = 0;
+    double left = 0, c[4], most = 0;
+    size_t e = 0, known = SIZE_MAX;
     for (size_t r = 0; r < model->sites && model->nodes > 0; r++) {
         double right = r + 1 < model->sites ? 0.5 * (model->site[r].x + model->site[r + 1].x) : end;
-        double level = model->gap - haft_law_reach(&laws[r], share);
+        double level = model->gap - reach[r];
         while (left < right) {
             while (e + 2 < model->nodes && model->node_x[e + 1] <= left) {
                 e++;
             }
+            if (e != known) {
+                element_cubic(model, u, e, c);
+                most = bound(c, model->gap);
+                known = e;
+            }
             double x0 = model->node_x[e], l = model->node_x[e + 1] - x0;
             double stop = fmin(right, model->node_x[e + 1]);
-            double c[4];
-            element_cubic(model, u, e, c);
-            double xi = first_reach(c, level, (left - x0) / l, fmin(1, (stop - x0) / l));
+            double xi = NAN;
+            if (!(most < level)) {
+                xi = first_reach(c, level, (left - x0) / l, fmin(1, (stop - x0) / l));
+            }
             if (!isnan(xi)) {
                 return x0 + xi * l;
             }

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Energy, gradient and Hessian of a state. Strain goes through the elements' deformation modes,
  * deflections subtracted first: with K u the rigid part of a slender element would swamp it. */
-#include "haft/beam.h"
+#include "sites.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Sites whose laws are evaluated together. */
-enum { BLOCK = 64 };
 
 void haft_model_gaps(const haft_model *model, const double *u, double *d) {
     for (size_t r = 0; r < model->sites; r++) {
@@ -15,60 +12,100 @@ void haft_model_gaps(const haft_model *model, const double *u, double *d) {
     }
 }
 
-static double mode_amplitude(const double mode[HAFT_SPAN], const double v[HAFT_SPAN]) {
-    return (mode[0] * v[0] + mode[2] * v[2]) + (mode[1] * v[1] + mode[3] * v[3]);
-}
-
 static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-/* Forces of an element on its four unknowns at their values v; @return its strain energy. */
-static inline double element_forces(const haft_element *element, const double v[HAFT_SPAN],
-                                    double force[HAFT_SPAN]) {
-    double q0 = mode_amplitude(element->mode[0], v), q1 = mode_amplitude(element->mode[1], v);
-    const double *d = element->stiffness;
+/* An element's unknowns by nodes, deflection and rotation side by side. */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+typedef struct element_values {
+    pair near, far;
+} element_values;
+
+static inline double mode_amplitude(const double mode[HAFT_SPAN], element_values v) {
+    pair part = *(const pair *)mode * v.near + *(const pair *)(mode + 2) * v.far;
+    return part[0] + part[1];
+}
+
+/* Forces of an element on its four unknowns at their values v; adds its strain energy. */
+static inline element_values element_forces(const haft_element *element, element_values v,
+                                            double *energy) {
+    const double *d = element->stiffness, *mode = element->mode[0], *other = element->mode[1];
+    double q0 = mode_amplitude(mode, v), q1 = mode_amplitude(other, v);
     double m0 = d[0] * q0 + d[1] * q1, m1 = d[1] * q0 + d[2] * q1;
-    for (int k = 0; k < HAFT_SPAN; k++) {
-        force[k] = element->mode[0][k] * m0 + element->mode[1][k] * m1;
-    }
-    return 0.5 * (q0 * m0 + q1 * m1);
+    *energy += 0.5 * (q0 * m0 + q1 * m1);
+    return (element_values){*(const pair *)mode * m0 + *(const pair *)other * m1,
+                            *(const pair *)(mode + 2) * m0 + *(const pair *)(other + 2) * m1};
 }
 
-static inline void element_values(const haft_element *element, const double *u,
-                                  double v[HAFT_SPAN]) {
-    for (int k = 0; k < HAFT_SPAN; k++) {
-        v[k] = element->dof[k] < 0 ? 0 : u[element->dof[k]];
-    }
+/* Whether a node's two unknowns are there, the rotation behind the deflection. */
+static inline bool is_node(const int *dof) {
+    return dof[0] >= 0 && dof[1] == dof[0] + 1;
 }
 
-/* Strain energy of an element; its forces go into the gradient, and how much the energy moves when
- * each unknown is rounded into `rounding`, in units of 2^-53. */
-static double element_energy(const haft_element *element, const double *u, double *gradient,
-                             double *largest, double *rounding) {
-    double v[HAFT_SPAN], force[HAFT_SPAN];
-    element_values(element, u, v);
-    double energy = element_forces(element, v, force);
-    for (int k = 0; gradient != NULL && k < HAFT_SPAN; k++) {
-        if (element->dof[k] >= 0) {
-            gradient[element->dof[k]] += force[k];
-            *largest = larger(*largest, fabs(force[k]));
-            *rounding += fabs(force[k] * v[k]);
+static inline pair node_values(const int *dof, const double *u) {
+    return is_node(dof) ? *(const pair *)(u + dof[0])
+                        : (pair){dof[0] < 0 ? 0 : u[dof[0]], dof[1] < 0 ? 0 : u[dof[1]]};
+}
+
+static inline void add_to_node(const int *dof, pair force, double *y) {
+    if (is_node(dof)) {
+        *(pair *)(y + dof[0]) += force;
+        return;
+    }
+    for (int k = 0; k < 2; k++) {
+        if (dof[k] >= 0) {
+            y[dof[k]] += force[k];
         }
     }
+}
+
+static inline element_values values_at(const haft_element *element, const double *u) {
+    return (element_values){node_values(element->dof, u), node_values(element->dof + 2, u)};
+}
+
+static inline pair size(pair x) {
+    return (pair){fabs(x[0]), fabs(x[1])};
+}
+
+/* Strain energy of all elements in units of energy; their forces go into the gradient, and how much
+ * the energy moves when each unknown is rounded into `rounding`, in units of 2^-53. */
+static double add_strain(const haft_model *model, const double *u, double *gradient,
+                         double *rounding) {
+    double energy = 0;
+    pair moved = {0, 0};
+    for (size_t e = 0; e < model->elements; e++) {
+        const haft_element *element = &model->element[e];
+        element_values v = values_at(element, u), f = element_forces(element, v, &energy);
+        if (gradient != NULL) {
+            add_to_node(element->dof, f.near, gradient);
+            add_to_node(element->dof + 2, f.far, gradient);
+            moved += size(f.near * v.near) + size(f.far * v.far);
+        }
+    }
+    *rounding = moved[0] + moved[1];
     return energy;
+}
+
+static double largest_strain_force(const haft_model *model, const double *u) {
+    double largest = 0, energy = 0;
+    for (size_t e = 0; e < model->elements; e++) {
+        const haft_element *element = &model->element[e];
+        element_values f = element_forces(element, values_at(element, u), &energy);
+        const double force[HAFT_SPAN] = {f.near[0], f.near[1], f.far[0], f.far[1]};
+        for (int k = 0; k < HAFT_SPAN; k++) {
+            largest = element->dof[k] < 0 ? largest : larger(largest, fabs(force[k]));
+        }
+    }
+    return largest;
 }
 
 /* The element's forces, linear in x, into y. */
 static inline void multiply_element(const haft_element *element, const double *x, double *y) {
-    double v[HAFT_SPAN], force[HAFT_SPAN];
-    element_values(element, x, v);
-    element_forces(element, v, force);
-    for (int k = 0; k < HAFT_SPAN; k++) {
-        if (element->dof[k] >= 0) {
-            y[element->dof[k]] += force[k];
-        }
-    }
+    double energy = 0;
+    element_values f = element_forces(element, values_at(element, x), &energy);
+    add_to_node(element->dof, f.near, y);
+    add_to_node(element->dof + 2, f.far, y);
 }
 
 static void add_load(const haft_site *site, double factor, double *gradient, double *largest) {
@@ -79,117 +116,76 @@ static void add_load(const haft_site *site, double factor, double *gradient, dou
     }
 }
 
-/* What neighbouring sites on the same unknowns add up to, before it is scattered once. */
-typedef struct group {
-    const haft_site *first;
-    const int *slot;
-    bool any;
-    double force[HAFT_SPAN], stiffness[HAFT_SPAN * (HAFT_SPAN + 1) / 2];
-} group;
-
-static inline void add_to_group(group *g, const haft_site *site, double force, double stiffness) {
-    g->any = true;
-    for (int i = 0, upper = 0; i < HAFT_SPAN; i++) {
-        g->force[i] += force * site->shape[i];
-        double row = stiffness * site->shape[i];
-        for (int j = i; j < HAFT_SPAN; j++, upper++) {
-            g->stiffness[upper] += row * site->shape[j];
-        }
-    }
-}
-
-static void scatter_group(const group *g, double *gradient, double *hessian) {
-    int terms = g->first->terms;
-    for (int i = 0; i < terms && gradient != NULL; i++) {
-        gradient[g->first->dof[i]] += g->force[i];
-    }
-    for (int i = 0, upper = 0; i < terms && hessian != NULL; upper += HAFT_SPAN - i, i++) {
-        const int *slot = g->slot + i * HAFT_SPAN;
-        hessian[slot[i]] += g->stiffness[upper];
-        for (int j = i + 1; j < terms; j++) {
-            hessian[slot[j]] += g->stiffness[upper + j - i];
-            hessian[g->slot[j * HAFT_SPAN + i]] += g->stiffness[upper + j - i];
-        }
-    }
-}
-
-static bool share_unknowns(const haft_site *a, const haft_site *b) {
-    return memcmp(a->dof, b->dof, sizeof a->dof) == 0;
-}
-
-/* A site in a node: one unknown, one entry. */
-static inline void add_node_site(const haft_site *site, const int *slot, double force,
-                                 double stiffness, double *gradient, double *hessian) {
-    double shape = site->shape[0];
-    if (gradient != NULL) {
-        gradient[site->dof[0]] += force * shape;
-    }
-    if (hessian != NULL) {
-        hessian[slot[0]] += stiffness * shape * shape;
-    }
-}
-
 /* What the sites of one stretch give at their gaps d. */
-typedef struct stretch {
-    double d[BLOCK], force[BLOCK], slope[BLOCK], potential[BLOCK];
-} stretch;
+typedef struct stretch_state {
+    double d[HAFT_STRETCH_ROOM], force[HAFT_STRETCH_ROOM], slope[HAFT_STRETCH_ROOM];
+    double curvature[HAFT_STRETCH_ROOM], potential[HAFT_STRETCH_ROOM];
+} stretch_state;
 
-/* Forces and stiffnesses of n sites from `first` on into the sums. */
-static void add_stretch(const haft_model *model, size_t first, size_t n, const stretch *s,
-                        double *gradient, double *hessian, double *largest) {
-    group g = {.first = NULL};
-    for (size_t i = 0; i < n; i++) {
-        const haft_site *site = &model->site[first + i];
-        if (s->force[i] == 0 && s->slope[i] == 0) {
-            continue;
-        }
-        const int *slot = model->site_slot + (first + i) * HAFT_SPAN * HAFT_SPAN;
-        double weight = site->area / model->energy_unit;
-        double force = weight * s->force[i], stiffness = -weight * s->slope[i];
-        for (int k = 0; k < site->terms; k++) {
-            *largest = larger(*largest, fabs(force * site->shape[k]));
-        }
-        if (site->terms == 1) {
-            add_node_site(site, slot, force, stiffness, gradient, hessian);
-            continue;
-        }
-        if (g.first == NULL || !share_unknowns(g.first, site)) {
-            if (g.any) {
-                scatter_group(&g, gradient, hessian);
-            }
-            g = (group){.first = site, .slot = slot};
-        }
-        add_to_group(&g, site, force, stiffness);
+static void evaluate_stretch(const haft_model *model, const haft_stretch *s,
+                             const haft_law_rows *laws, const double *u, stretch_state *out) {
+    haft_stretch_displacements(model, s, u, out->d);
+    for (size_t i = 0; i < s->sites + HAFT_LAW_LANES; i++) {
+        out->d[i] = model->gap - out->d[i];
     }
-    if (g.any) {
-        scatter_group(&g, gradient, hessian);
+    haft_law_values values = {out->force, out->slope, out->curvature, out->potential};
+    haft_law_rows_evaluate(laws, s->first, s->sites, out->d, &values);
+}
+
+/* Energy [J] of a stretch, and what rounding makes of it, each the sum of eight sums side by side;
+ * forces and stiffnesses in units of energy take their places. */
+HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double unit, stretch_state *s,
+                                        double *pushed) {
+    double energy[HAFT_LAW_LANES] = {0}, push[HAFT_LAW_LANES] = {0};
+    for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
+        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+            double here = area[i + k];
+            energy[k] += here * s->potential[i + k];
+            push[k] += here * fabs(s->force[i + k]);
+            double weight = here / unit;
+            s->force[i + k] *= weight;
+            s->slope[i + k] *= -weight;
+        }
     }
+    double sum = 0;
+    for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+        sum += energy[k];
+        *pushed += push[k];
+    }
+    return sum;
+}
+
+static double largest_term(const haft_model *model, const haft_stretch *s, const double *force) {
+    double largest = 0;
+    for (size_t i = 0; i < s->sites; i++) {
+        const haft_site *site = &model->site[s->first + i];
+        for (int k = 0; k < site->terms && force[i] != 0; k++) {
+            largest = larger(largest, fabs(force[i] * site->shape[k]));
+        }
+    }
+    return largest;
 }
 
 /* Contact of all sites: their energy [J], and their forces and stiffnesses into the sums. */
-static double add_contact(const haft_model *model, const haft_law *laws, const double *u,
+static double add_contact(const haft_model *model, const haft_law_rows *laws, const double *u,
                           double *gradient, double *hessian, double *largest, double *rounding) {
-    double energy = 0;
-    stretch s;
-    for (size_t first = model->inert; first < model->sites; first += BLOCK) {
-        size_t n = model->sites - first < BLOCK ? model->sites - first : BLOCK;
-        for (size_t i = 0; i < n; i++) {
-            s.d[i] = model->gap - haft_model_displacement(&model->site[first + i], u);
-        }
-        haft_law_evaluate_many(laws + first, n, s.d, s.force, s.slope, s.potential);
-        for (size_t i = 0; i < n; i++) {
-            double area = model->site[first + i].area;
-            energy += area * s.potential[i];
-            *rounding += area * fabs(s.force[i]) * model->gap;
-        }
-        if (gradient != NULL || hessian != NULL) {
-            add_stretch(model, first, n, &s, gradient, hessian, largest);
+    double energy = 0, pushed = 0;
+    stretch_state state;
+    for (size_t n = 0; n < model->layout->stretches; n++) {
+        const haft_stretch *s = &model->layout->stretch[n];
+        evaluate_stretch(model, s, laws, u, &state);
+        energy += weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit,
+                                &state, &pushed);
+        haft_stretch_assemble(model, s, state.force, state.slope, gradient, hessian);
+        if (largest != NULL) {
+            *largest = larger(*largest, largest_term(model, s, state.force));
         }
     }
+    *rounding += pushed * model->gap;
     return energy;
 }
 
-haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, const double *u,
+haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
                                 double load, double *gradient, double *hessian,
                                 double *force_scale) {
     haft_energy energy = {0};
@@ -200,43 +196,46 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law *laws, c
     if (hessian != NULL) {
         memcpy(hessian, model->stiffness, model->nonzeros * sizeof *hessian);
     }
-    for (size_t e = 0; e < model->elements; e++) {
-        energy.strain +=
-            element_energy(&model->element[e], u, gradient, &largest, &strain_rounding);
-    }
-    energy.strain *= model->energy_unit;
+    energy.strain = model->energy_unit * add_strain(model, u, gradient, &strain_rounding);
     double rounding = 0;
-    energy.contact = add_contact(model, laws, u, gradient, hessian, &largest, &rounding);
+    energy.contact = add_contact(model, laws, u, gradient, hessian,
+                                 force_scale != NULL ? &largest : NULL, &rounding);
     energy.rounding = 0x1p-53 * (strain_rounding * model->energy_unit + rounding);
     if (gradient != NULL) {
         add_load(&model->load, -load / model->energy_unit, gradient, &largest);
     }
     if (force_scale != NULL) {
-        *force_scale = largest;
+        *force_scale = larger(largest, largest_strain_force(model, u));
     }
     return energy;
 }
 
-void haft_model_site_stiffness(const haft_model *model, const haft_law *laws, const double *u,
+void haft_model_site_stiffness(const haft_model *model, const haft_law_rows *laws, const double *u,
                                double *site_stiffness) {
-    for (size_t r = model->inert; r < model->sites; r++) {
-        const haft_site *site = &model->site[r];
-        double d = model->gap - haft_model_displacement(site, u);
-        site_stiffness[r] = -site->area / model->energy_unit * haft_law_evaluate(&laws[r], d).slope;
+    stretch_state state;
+    for (size_t n = 0; n < model->layout->stretches; n++) {
+        const haft_stretch *s = &model->layout->stretch[n];
+        double pushed = 0;
+        evaluate_stretch(model, s, laws, u, &state);
+        weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit, &state,
+                      &pushed);
+        memcpy(site_stiffness + s->first, state.slope, s->sites * sizeof(double));
     }
 }
 
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
                          double *y) {
-    double largest = 0;
     memset(y, 0, model->dofs * sizeof *y);
     for (size_t e = 0; e < model->elements; e++) {
         multiply_element(&model->element[e], x, y);
     }
-    for (size_t r = model->inert; r < model->sites; r++) {
-        if (site_stiffness[r] != 0) {
-            const haft_site *site = &model->site[r];
-            add_load(site, site_stiffness[r] * haft_model_displacement(site, x), y, &largest);
+    double force[HAFT_STRETCH_ROOM];
+    for (size_t n = 0; n < model->layout->stretches; n++) {
+        const haft_stretch *s = &model->layout->stretch[n];
+        haft_stretch_displacements(model, s, x, force);
+        for (size_t i = 0; i < s->sites; i++) {
+            force[i] *= site_stiffness[s->first + i];
         }
+        haft_stretch_assemble(model, s, force, force, y, NULL);
     }
 }

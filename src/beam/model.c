@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Assembly: the sparsity pattern, fixed for the life of a model, with the place of every element's
  * and site's entry looked up once, so that assembling a Hessian is additions alone. */
-#include "haft/beam.h"
+#include "sites.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -195,7 +195,7 @@ static haft_status fill_model(haft_model *model, haft_error *error) {
         find_slots(model, model->site[r].dof, model->site_slot + r * ENTRIES);
     }
     assemble_constants(model);
-    return HAFT_OK;
+    return haft_layout_create(&model->layout, model, error);
 }
 
 static bool dofs_in_range(const int dof[HAFT_SPAN], size_t dofs) {
@@ -260,6 +260,7 @@ void haft_model_destroy(haft_model **model) {
     haft_memory_free(m->mass);
     haft_memory_free(m->element_slot);
     haft_memory_free(m->site_slot);
+    haft_layout_destroy(&m->layout);
     haft_memory_free(m);
     *model = NULL;
 }

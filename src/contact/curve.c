@@ -260,16 +260,6 @@ static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
     }
 }
 
-/* Radii that asperities are taken to: a thousandth of a step, which no sampled asperity has, and
- * what haft_contact_summits() gives a flat top. */
-static double least_radius(const haft_patch *patch) {
-    return 1e-3 * patch->step;
-}
-
-static double most_radius(const haft_patch *patch) {
-    return 1e3 * patch->step * hypot((double)patch->rows, (double)patch->columns);
-}
-
 haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec *spec,
                                const double *z, size_t rows, size_t columns, double step,
                                haft_curve *curve, haft_error *error) {
@@ -283,8 +273,7 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
     }
     haft_adhesion adhesion = {0};
     if (spec->has_vdw) {
-        status =
-            haft_adhesion_make(&adhesion, spec, least_radius(&patch), most_radius(&patch), error);
+        status = haft_adhesion_make(&adhesion, spec, (double)rows, (double)columns, step, error);
     }
     if (status != HAFT_OK) {
         return status;

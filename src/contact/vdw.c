@@ -23,13 +23,36 @@ haft_status haft_vdw_from_spec(haft_vdw *out, const haft_vdw_spec *spec, haft_er
     return HAFT_OK;
 }
 
-static double lambda_of(const haft_contact_spec *spec, double radius) {
-    double w = spec->vdw.energy, e = spec->modulus;
-    return spec->vdw.stress * cbrt(9 * radius / (2 * M_PI * w * e * e));
+static double lambda_of(const haft_vdw *vdw, double modulus, double radius) {
+    return vdw->stress * cbrt(9 * radius / (2 * M_PI * vdw->energy * modulus * modulus));
 }
 
-haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec,
-                               double least_radius, double most_radius, haft_error *error) {
+/* What no sampled asperity is sharper than, and what haft_contact_summits() gives a flat top. */
+static double least_radius(double step) {
+    return 1e-3 * step;
+}
+
+static double most_radius(double rows, double columns, double step) {
+    return 1e3 * step * hypot(rows, columns);
+}
+
+haft_status haft_contact_check_spheres(const haft_vdw *vdw, double modulus, double rows,
+                                       double columns, double step, haft_error *error) {
+    double sharp = least_radius(step), flat = most_radius(rows, columns, step);
+    double least = lambda_of(vdw, modulus, sharp), most = lambda_of(vdw, modulus, flat);
+    if (!(least >= HAFT_MAUGIS_LAMBDA_LEAST && most <= HAFT_MAUGIS_LAMBDA_MOST)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "asperities of radius %.3g to %.3g m would have a Maugis parameter "
+                              "lambda of %.3g to %.3g with a modulus of %.3g Pa, an energy of %.3g "
+                              "J/m^2 and a range of %.3g m; the table holds %g to %g",
+                              sharp, flat, least, most, modulus, vdw->energy, vdw->range,
+                              HAFT_MAUGIS_LAMBDA_LEAST, HAFT_MAUGIS_LAMBDA_MOST);
+    }
+    return HAFT_OK;
+}
+
+haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec, double rows,
+                               double columns, double step, haft_error *error) {
     const haft_vdw *vdw = &spec->vdw;
     if (!is_positive(vdw->energy) || !is_positive(vdw->stress) || !is_positive(vdw->range) ||
         spec->maugis == NULL) {
@@ -39,22 +62,17 @@ haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec
                               "must be given",
                               vdw->energy, vdw->stress, vdw->range);
     }
-    double least = lambda_of(spec, least_radius), most = lambda_of(spec, most_radius);
-    if (!(least >= HAFT_MAUGIS_LAMBDA_LEAST && most <= HAFT_MAUGIS_LAMBDA_MOST)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "asperities of radius %.3g to %.3g m would have a Maugis parameter "
-                              "lambda of %.3g to %.3g with a modulus of %.3g Pa, an energy of %.3g "
-                              "J/m^2 and a range of %.3g m; the table holds %g to %g",
-                              least_radius, most_radius, least, most, spec->modulus, vdw->energy,
-                              vdw->range, HAFT_MAUGIS_LAMBDA_LEAST, HAFT_MAUGIS_LAMBDA_MOST);
+    haft_status status = haft_contact_check_spheres(vdw, spec->modulus, rows, columns, step, error);
+    if (status != HAFT_OK) {
+        return status;
     }
     double w = vdw->energy, e = spec->modulus;
     *out = (haft_adhesion){
         .table = spec->maugis,
         .path = spec->path,
-        .least_radius = least_radius,
-        .most_radius = most_radius,
-        .lambda = lambda_of(spec, 1),
+        .least_radius = least_radius(step),
+        .most_radius = most_radius(rows, columns, step),
+        .lambda = lambda_of(vdw, spec->modulus, 1),
         .approach = cbrt(9 * M_PI * M_PI * w * w / (16 * e * e)),
         .force = M_PI * w * 0.75 / e,
         .range = vdw->range,

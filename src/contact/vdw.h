@@ -18,10 +18,10 @@ typedef struct haft_adhesion {
                      rounder summits are cut there */
 } haft_adhesion;
 
-/* Checks the spec; lambda must be within the table from the least radius to the most, and radii
- * beyond are taken to the nearest of these. */
-haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec,
-                               double least_radius, double most_radius, haft_error *error);
+/* Checks the spec, and by haft_contact_check_spheres() the radii that the patch's asperities are
+ * taken to. */
+haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec, double rows,
+                               double columns, double step, haft_error *error);
 
 typedef struct haft_sphere {
     haft_maugis_curve curve;

@@ -248,19 +248,58 @@ static void check_forces(haft_case_reader *reader) {
     if (!haft_case_is_sound(reader, "contact.forces")) {
         return;
     }
-    if (c->contact.forces == HAFT_FORCES_AUTO && !both) {
+    bool needs_vdw = c->contact.forces == HAFT_FORCES_VDW && !c->contact.has_vdw;
+    if (needs_vdw || (c->contact.forces == HAFT_FORCES_CAPILLARY && !c->contact.has_capillary)) {
+        const char *section = needs_vdw ? "vdw" : "capillary";
+        WRONG(reader, "contact.forces",
+              "%s has no section contact.%s to act on; add it%s, or give forces: given", section,
+              section, needs_vdw ? " (\"vdw: {}\" is enough)" : "");
+    } else if (c->contact.forces == HAFT_FORCES_AUTO && !both) {
         WRONG(reader, "contact.forces",
               "auto chooses between contact.capillary and contact.vdw by humidity, but there is no "
               "section contact.%s; add it%s, or give forces: given",
               c->contact.has_capillary ? "vdw" : "capillary",
               c->contact.has_capillary ? " (\"vdw: {}\" is enough)" : "");
-    } else if (c->contact.forces == HAFT_FORCES_GIVEN && c->contact.has_capillary &&
+    } else if (haft_case_physics(c).capillary &&
                haft_case_is_given(reader, "contact.capillary.humidity") &&
                !(c->contact.capillary.humidity > 0)) {
         WRONG(reader, "contact.capillary.humidity",
               "no water condenses in dry air; give a humidity above 0 %%, or leave "
               "contact.capillary out for dry contact, or add \"forces: auto\" to contact, which "
               "chooses by humidity");
+    }
+}
+
+/* Every asperity that a patch can have must be a sphere that the table of van der Waals forces
+ * holds. */
+static void check_spheres(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    static const char *const needed[] = {"surface.grid_step",     "contact.young_modulus",
+                                         "contact.poisson_ratio", "contact.vdw.hamaker_dry",
+                                         "contact.vdw.r0",        "contact.vdw.hamaker_humid",
+                                         "beam.l_meso",           "beam.width"};
+    haft_physics physics = haft_case_physics(c);
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        physics.vdw = physics.vdw && haft_case_is_sound(reader, needed[i]);
+    }
+    if (!physics.vdw) {
+        return;
+    }
+    double modulus = haft_contact_modulus(c->contact.young_modulus, c->contact.poisson_ratio,
+                                          c->contact.young_modulus, c->contact.poisson_ratio);
+    double step = c->surface.grid_step;
+    haft_vdw_spec spec = {.hamaker = physics.humid ? c->contact.vdw.hamaker_humid
+                                                   : c->contact.vdw.hamaker_dry,
+                          .r0 = c->contact.vdw.r0};
+    haft_vdw vdw;
+    haft_error own = {0};
+    haft_status status = haft_vdw_from_spec(&vdw, &spec, &own);
+    if (status == HAFT_OK) {
+        status = haft_contact_check_spheres(&vdw, modulus, round(c->mesh.l_meso / step),
+                                            round(c->beam.width / step), step, &own);
+    }
+    if (status != HAFT_OK) {
+        WRONG(reader, "contact.vdw.r0", "%s", own.message);
     }
 }
 
@@ -338,6 +377,7 @@ void haft_case_cross_check(haft_case_reader *reader) {
     check_load(reader);
     check_distance(reader);
     check_forces(reader);
+    check_spheres(reader);
     check_limit(reader);
     check_chaos(reader);
     check_stop(reader);

@@ -10,6 +10,8 @@ haft_physics haft_case_physics(const haft_case *c) {
         physics.capillary = humidity > 0;
         physics.vdw = humidity < HAFT_VDW_HUMIDITY;
     }
+    physics.vdw = physics.vdw && c->contact.forces != HAFT_FORCES_CAPILLARY;
+    physics.capillary = physics.capillary && c->contact.forces != HAFT_FORCES_VDW;
     return physics;
 }
 

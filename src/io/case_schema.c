@@ -19,7 +19,7 @@ static const char *const sources[] = {"generated", "maps", NULL};
 static const char *const marginals[] = {"gaussian", "johnson", "heights", NULL};
 static const char *const films[] = {"none", "silica", "table", NULL};
 static const char *const asperities[] = {"summits", "islands", NULL};
-static const char *const forces[] = {"given", "auto", NULL};
+static const char *const forces[] = {"given", "auto", "capillary", "vdw", NULL};
 static const char *const vdw_paths[] = {"separation", "approach", NULL};
 static const char *const kinds[] = {"morse", "table", NULL};
 static const char *const unfits[] = {"table", "stop", NULL};
@@ -46,8 +46,8 @@ _Static_assert(HAFT_LEVEL_MEAN == 0 && HAFT_LEVEL_LINES == 3 && HAFT_MISSING_EXC
                    HAFT_MARGINAL_HEIGHTS == 2,
                "order of choices");
 _Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
-_Static_assert(HAFT_FORCES_GIVEN == 0 && HAFT_FORCES_AUTO == 1 && HAFT_VDW_SEPARATION == 0 &&
-                   HAFT_VDW_APPROACH == 1,
+_Static_assert(HAFT_FORCES_GIVEN == 0 && HAFT_FORCES_AUTO == 1 && HAFT_FORCES_CAPILLARY == 2 &&
+                   HAFT_FORCES_VDW == 3 && HAFT_VDW_SEPARATION == 0 && HAFT_VDW_APPROACH == 1,
                "order of choices");
 _Static_assert(HAFT_LAW_MORSE == 0 && HAFT_LAW_TABLE == 1, "order of choices");
 _Static_assert(HAFT_UNFIT_TABLE == 0 && HAFT_UNFIT_STOP == 1, "order of choices");

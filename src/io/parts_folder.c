@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The folder of parts and who may work in it: a lock (flock) on a file in it, which the kernel
- * gives up with the process, so that a killed run bars nobody. */
+/* The folder of parts and who may work in it: locks (flock) on files in it, which the kernel gives
+ * up with the process, so that a killed run bars nobody. A run has the folder's lock alone; shards
+ * have it together, and each a lock of its own besides. */
 #include "parts_folder.h"
 
 #include <dirent.h>
@@ -11,9 +12,32 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { TRIES = 100 };
+enum { TRIES = 100, NAP = 5000000 /* [ns] */ };
+
+bool haft_shard_has(haft_shard shard, size_t realization) {
+    return shard.count == 0 || realization % shard.count == shard.index - 1;
+}
+
+void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], haft_shard shard) {
+    if (shard.count == 0) {
+        snprintf(prefix, HAFT_PART_NAME_CAPACITY, HAFT_PART_PREFIX);
+    } else {
+        snprintf(prefix, HAFT_PART_NAME_CAPACITY, HAFT_PART_PREFIX "%zuof%zu-", shard.index,
+                 shard.count);
+    }
+}
+
+/* Into how many shards the run of a part of this name is split; 0: it is not. */
+static size_t split_of(const char *name) {
+    size_t index = 0, count = 0;
+    char end = '\0';
+    return sscanf(name, HAFT_PART_PREFIX "%zuof%zu%c", &index, &count, &end) == 3 && end == '-'
+               ? count
+               : 0;
+}
 
 char *haft_parts_join(const haft_parts *parts, const char *name, haft_error *error) {
     size_t capacity = strlen(parts->folder) + strlen(name) + 2;
@@ -31,52 +55,115 @@ static bool still_there(int descriptor, const char *path) {
            held.st_ino == named.st_ino && held.st_dev == named.st_dev;
 }
 
-static haft_status lock_folder(haft_parts *parts, const char *path, haft_error *error) {
+/* Makes and locks a file. One that is gone (ENOENT) is made again; one that is locked is waited for
+ * a moment where `waits`, since a shard that ends has the folder alone while it looks whether it is
+ * the last. @return 0 or an errno */
+static int lock_file(int *out, const char *folder, const char *path, int operation, bool waits) {
     int reason = ENOENT;
-    for (int i = 0; i < TRIES && reason == ENOENT; i++) {
-        if (mkdir(parts->folder, 0777) != 0 && errno != EEXIST) {
-            reason = errno;
-            break;
+    for (int i = 0; i < TRIES && (reason == ENOENT || (waits && reason == EWOULDBLOCK)); i++) {
+        if (reason == EWOULDBLOCK) {
+            nanosleep(&(struct timespec){.tv_nsec = NAP}, NULL);
+        }
+        if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+            return errno;
         }
         int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (descriptor < 0) {
             reason = errno; /* ENOENT: the folder went away between the two */
             continue;
         }
-        reason = flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+        reason = flock(descriptor, operation | LOCK_NB) == 0 ? 0 : errno;
         if (reason == 0 && still_there(descriptor, path)) {
-            parts->lock = descriptor;
-            return HAFT_OK;
+            *out = descriptor;
+            return 0;
         }
         reason = reason == 0 ? ENOENT : reason;
         close(descriptor);
     }
-    if (reason == EWOULDBLOCK) {
-        return haft_error_set(error, HAFT_ERROR_EXISTS,
-                              "%s: a run of this case is there already, at work; wait for its end "
-                              "or stop it",
-                              parts->folder);
-    }
-    return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot make this folder and lock it: %s",
-                          parts->folder, strerror(reason));
+    return reason;
 }
 
-haft_status haft_parts_hold(haft_parts **out, const char *folder, haft_error *error) {
+static haft_status take_lock(haft_parts *parts, int *lock, const char *name, int operation,
+                             haft_error *error) {
+    char *path = haft_parts_join(parts, name, error);
+    if (path == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    int reason = lock_file(lock, parts->folder, path, operation, operation == LOCK_SH);
+    haft_memory_free(path);
+    if (reason == 0) {
+        return HAFT_OK;
+    }
+    if (reason != EWOULDBLOCK) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot make this folder and lock it: %s",
+                              parts->folder, strerror(reason));
+    }
+    if (lock == &parts->shard_lock) {
+        return haft_error_set(error, HAFT_ERROR_EXISTS,
+                              "%s: shard %zu/%zu is at work already; wait for its end or stop it",
+                              parts->folder, parts->shard.index, parts->shard.count);
+    }
+    return haft_error_set(error, HAFT_ERROR_EXISTS,
+                          "%s: a run of this case is there already, at work; wait for its end or "
+                          "stop it",
+                          parts->folder);
+}
+
+static void name_shard_lock(char name[HAFT_PART_NAME_CAPACITY], haft_shard shard) {
+    snprintf(name, HAFT_PART_NAME_CAPACITY, HAFT_PARTS_LOCK "-%zuof%zu", shard.index, shard.count);
+}
+
+static haft_status read_names(haft_parts *parts, const char *prefix, haft_error *error);
+
+/* Nobody wants a run split in two ways: it would follow beams twice. */
+static haft_status refuse_other_split(haft_parts *parts, haft_error *error) {
+    haft_status status = read_names(parts, HAFT_PART_PREFIX, error);
+    for (size_t i = 0; i < parts->files && status == HAFT_OK; i++) {
+        size_t count = split_of(parts->file[i]);
+        if (count == 0) {
+            status = haft_error_set(error, HAFT_ERROR_EXISTS,
+                                    "%s/%s: an unfinished run without shards is there already; go "
+                                    "on with it by `haft resume`, or move its parts away",
+                                    parts->folder, parts->file[i]);
+        } else if (count != parts->shard.count) {
+            status = haft_error_set(error, HAFT_ERROR_EXISTS,
+                                    "%s/%s: the run is split into %zu shards, not into %zu; go on "
+                                    "with those, or move their parts away",
+                                    parts->folder, parts->file[i], count, parts->shard.count);
+        }
+    }
+    haft_parts_forget(parts);
+    return status;
+}
+
+static haft_status lock_all(haft_parts *parts, haft_error *error) {
+    if (parts->shard.count == 0) {
+        return take_lock(parts, &parts->lock, HAFT_PARTS_LOCK, LOCK_EX, error);
+    }
+    char name[HAFT_PART_NAME_CAPACITY];
+    name_shard_lock(name, parts->shard);
+    haft_status status = take_lock(parts, &parts->lock, HAFT_PARTS_LOCK, LOCK_SH, error);
+    if (status == HAFT_OK) {
+        status = take_lock(parts, &parts->shard_lock, name, LOCK_EX, error);
+    }
+    return status == HAFT_OK ? refuse_other_split(parts, error) : status;
+}
+
+haft_status haft_parts_hold(haft_parts **out, const char *folder, haft_shard shard,
+                            haft_error *error) {
     *out = NULL;
     haft_parts *parts = haft_memory_alloc(1, sizeof *parts, error);
     if (parts == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    parts->lock = -1;
+    *parts = (haft_parts){.shard = shard, .lock = -1, .shard_lock = -1};
     size_t length = strlen(folder);
     parts->folder = haft_memory_alloc(length + 1, 1, error);
-    char *path = NULL;
+    haft_status status = HAFT_ERROR_MEMORY;
     if (parts->folder != NULL) {
         memcpy(parts->folder, folder, length + 1);
-        path = haft_parts_join(parts, HAFT_PARTS_LOCK, error);
+        status = lock_all(parts, error);
     }
-    haft_status status = path == NULL ? HAFT_ERROR_MEMORY : lock_folder(parts, path, error);
-    haft_memory_free(path);
     if (status != HAFT_OK) {
         haft_parts_release(&parts);
         return status;
@@ -93,7 +180,31 @@ void haft_parts_forget(haft_parts *parts) {
     haft_memory_free(parts->entry);
     parts->file = NULL;
     parts->entry = NULL;
-    parts->files = parts->found = parts->realizations = 0;
+    parts->files = parts->found = parts->repeated = parts->realizations = 0;
+}
+
+static int is_lock(const struct dirent *entry) {
+    return strncmp(entry->d_name, HAFT_PARTS_LOCK, strlen(HAFT_PARTS_LOCK)) == 0;
+}
+
+static void remove_lock(const haft_parts *parts, const char *name) {
+    char *path = haft_parts_join(parts, name, NULL);
+    if (path != NULL) {
+        unlink(path);
+    }
+    haft_memory_free(path);
+}
+
+/* Whoever has the folder alone removes all locks, those of killed shards too, and the folder. */
+static void remove_folder(const haft_parts *parts) {
+    struct dirent **entry = NULL;
+    int n = scandir(parts->folder, &entry, is_lock, NULL);
+    for (int i = 0; i < n; i++) {
+        remove_lock(parts, entry[i]->d_name);
+        free(entry[i]);
+    }
+    free(entry);
+    rmdir(parts->folder); /* fails where a part is left, as it should */
 }
 
 void haft_parts_release(haft_parts **parts) {
@@ -102,13 +213,17 @@ void haft_parts_release(haft_parts **parts) {
     }
     haft_parts *p = *parts;
     haft_parts_forget(p);
+    if (p->shard_lock >= 0) {
+        char name[HAFT_PART_NAME_CAPACITY];
+        name_shard_lock(name, p->shard);
+        remove_lock(p, name);
+        close(p->shard_lock);
+    }
     if (p->lock >= 0) {
-        char *path = haft_parts_join(p, HAFT_PARTS_LOCK, NULL);
-        if (path != NULL) {
-            unlink(path);
-            rmdir(p->folder); /* fails where a part is left, as it should */
+        /* the last shard to end has the folder alone, as a run always has */
+        if (p->shard.count == 0 || flock(p->lock, LOCK_EX | LOCK_NB) == 0) {
+            remove_folder(p);
         }
-        haft_memory_free(path);
         close(p->lock);
     }
     haft_memory_free(p->folder);
@@ -122,7 +237,7 @@ static int is_part(const struct dirent *entry) {
     return strncmp(entry->d_name, HAFT_PART_PREFIX, strlen(HAFT_PART_PREFIX)) == 0;
 }
 
-haft_status haft_parts_list(haft_parts *parts, haft_error *error) {
+static haft_status read_names(haft_parts *parts, const char *prefix, haft_error *error) {
     haft_parts_forget(parts);
     struct dirent **entry = NULL;
     int n = scandir(parts->folder, &entry, is_part, alphasort);
@@ -133,16 +248,23 @@ haft_status haft_parts_list(haft_parts *parts, haft_error *error) {
     parts->file = calloc((size_t)n + 1, sizeof *parts->file);
     haft_status status = HAFT_OK;
     for (int i = 0; i < n; i++) {
-        char *name = parts->file == NULL ? NULL : strdup(entry[i]->d_name);
+        bool ours = strncmp(entry[i]->d_name, prefix, strlen(prefix)) == 0;
+        char *name = ours && parts->file != NULL ? strdup(entry[i]->d_name) : NULL;
         if (name != NULL) {
             parts->file[parts->files++] = name;
-        } else {
+        } else if (ours) {
             status = haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for a list of parts");
         }
         free(entry[i]);
     }
     free(entry);
     return status;
+}
+
+haft_status haft_parts_list(haft_parts *parts, haft_error *error) {
+    char prefix[HAFT_PART_NAME_CAPACITY];
+    haft_parts_prefix(prefix, parts->shard);
+    return read_names(parts, prefix, error);
 }
 
 haft_status haft_parts_clear(haft_parts *parts, haft_error *error) {
@@ -171,4 +293,16 @@ size_t haft_parts_found(const haft_parts *parts) {
 
 bool haft_parts_has(const haft_parts *parts, size_t realization) {
     return realization < parts->realizations && parts->entry[realization].size > 0;
+}
+
+size_t haft_parts_repeated(const haft_parts *parts) {
+    return parts->repeated;
+}
+
+size_t haft_parts_split(const haft_parts *parts) {
+    size_t count = parts->files == 0 ? 0 : split_of(parts->file[0]);
+    for (size_t i = 1; i < parts->files; i++) {
+        count = split_of(parts->file[i]) == count ? count : 0;
+    }
+    return count;
 }

@@ -5,7 +5,10 @@
 
 #include "parts.h"
 
+/* The folder's lock, held by a run alone or by shards together, and each shard's own beside it. */
 #define HAFT_PARTS_LOCK "lock"
+
+enum { HAFT_PART_NAME_CAPACITY = 64 };
 
 /* Where the payload of a realization is; size 0: nowhere. */
 typedef struct haft_parts_entry {
@@ -16,17 +19,21 @@ typedef struct haft_parts_entry {
 
 struct haft_parts {
     char *folder;
-    int lock;
+    haft_shard shard;
+    int lock, shard_lock; /* -1: not held */
     size_t files;
     char **file; /* names of the parts, malloc()ed */
-    size_t realizations, found;
+    size_t realizations, found, repeated;
     haft_parts_entry *entry; /* realizations */
 };
 
 /* FOLDER/name; to be freed with haft_memory_free(). */
 char *haft_parts_join(const haft_parts *parts, const char *name, haft_error *error) HAFT_MUST_CHECK;
 
-/* Reads the names of the parts. */
+/* What the names of a shard's parts begin with: "part-2of3-"; "part-" where it is none. */
+void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], haft_shard shard);
+
+/* Reads the names of the parts, of a shard its own. */
 haft_status haft_parts_list(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
 /* Forgets what was listed and found. */

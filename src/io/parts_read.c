@@ -196,6 +196,8 @@ static haft_status enter(scan *s, const haft_part_record *record, uint64_t offse
         *entry = (haft_parts_entry){.file = s->file, .offset = offset, .size = record->size};
         memcpy(entry->digest, record->payload_digest, sizeof entry->digest);
         s->parts->found++;
+    } else {
+        s->parts->repeated++;
     }
     return HAFT_OK;
 }

@@ -3,7 +3,7 @@
  * in one write, so a killed process leaves whole records and at most one torn tail; a write that
  * fails is taken back. What the kernel has taken survives the process; the disk is waited for once
  * a second at most. */
-#include "parts.h"
+#include "parts_folder.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -121,14 +121,17 @@ static haft_status append(haft_part *part, const void *data, size_t size, haft_e
     return HAFT_OK;
 }
 
-static haft_status open_new(haft_part *part, const char *folder, int rank, haft_error *error) {
-    size_t capacity = strlen(folder) + 64;
+static haft_status open_new(haft_part *part, const char *folder, haft_shard shard, int rank,
+                            haft_error *error) {
+    char prefix[HAFT_PART_NAME_CAPACITY];
+    haft_parts_prefix(prefix, shard);
+    size_t capacity = strlen(folder) + sizeof prefix + 64;
     part->path = haft_memory_alloc(capacity, 1, error);
     if (part->path == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     for (int i = 0; i < NUMBERS && part->descriptor < 0; i++) {
-        snprintf(part->path, capacity, "%s/" HAFT_PART_PREFIX "%d-%d", folder, rank, i);
+        snprintf(part->path, capacity, "%s/%s%d-%d", folder, prefix, rank, i);
         part->descriptor = open(part->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (part->descriptor < 0 && errno != EEXIST) {
             break;
@@ -139,8 +142,8 @@ static haft_status open_new(haft_part *part, const char *folder, int rank, haft_
                                                   part->path, strerror(errno));
 }
 
-haft_status haft_part_create(haft_part **out, const char *folder, int rank, const haft_case *c,
-                             const char *laws_digest, haft_error *error) {
+haft_status haft_part_create(haft_part **out, const char *folder, haft_shard shard, int rank,
+                             const haft_case *c, const char *laws_digest, haft_error *error) {
     *out = NULL;
     haft_part *part = haft_memory_alloc(1, sizeof *part, error);
     if (part == NULL) {
@@ -151,7 +154,7 @@ haft_status haft_part_create(haft_part **out, const char *folder, int rank, cons
     char *text = NULL;
     haft_status status = haft_part_make_head(&head, &text, c, laws_digest, error);
     if (status == HAFT_OK) {
-        status = open_new(part, folder, rank, error);
+        status = open_new(part, folder, shard, rank, error);
     }
     if (status == HAFT_OK) {
         status = append(part, &head, sizeof head, error);

@@ -70,7 +70,7 @@ static void solve_refined(haft_tracker *t, double *x) {
 
 bool haft_branch_loses_digits(haft_tracker *t, const double *u) {
     double *b = t->scratch[0];
-    haft_model_site_stiffness(t->model, t->laws, u, t->site_stiffness);
+    haft_model_site_stiffness(t->model, t->rows, u, t->site_stiffness);
     memset(b, 0, t->n * sizeof *b);
     haft_tracker_add_row(t, &t->model->load, 1, b);
     memcpy(t->solution, b, t->n * sizeof *b);
@@ -84,7 +84,7 @@ haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
         return (haft_inertia){-1, 0};
     }
     if (t->needs_refinement) {
-        haft_model_site_stiffness(t->model, t->laws, u, t->site_stiffness);
+        haft_model_site_stiffness(t->model, t->rows, u, t->site_stiffness);
     }
     memset(t->solution, 0, t->n * sizeof *t->solution);
     haft_tracker_add_row(t, &t->model->load, 1, t->solution);
@@ -95,19 +95,21 @@ haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
 /* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with the control's own second derivative nil. */
 static void second_derivatives(haft_tracker *t, const haft_state *state, haft_control control,
                                int side, double rate, haft_branch *out) {
-    double gap = t->model->gap;
-    memset(out->u2, 0, t->n * sizeof *out->u2);
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        const haft_site *site = &t->model->site[r];
-        double motion = haft_model_displacement(site, out->u1);
-        double d = gap - haft_model_displacement(site, state->u);
-        d -= copysign(KINK_OFFSET * t->range[r], motion * side);
-        double curvature = haft_law_evaluate(&t->laws[r], d).curvature;
-        if (curvature != 0) {
-            double weight = site->area / t->model->energy_unit;
-            haft_tracker_add_row(t, site, -weight * curvature * motion * motion * gap, out->u2);
-        }
+    const haft_model *m = t->model;
+    double *d = t->site[0], *motion = t->site[1], *force = t->site[2];
+    haft_law_values values = {t->site[3], t->site[4], t->site[5], t->site[2]};
+    haft_model_displacements(m, state->u, d);
+    haft_model_displacements(m, out->u1, motion);
+    for (size_t r = m->inert; r < m->sites; r++) {
+        d[r] = m->gap - d[r] - copysign(KINK_OFFSET * t->range[r], motion[r] * side);
     }
+    haft_law_rows_evaluate(t->rows, m->inert, m->sites - m->inert, d + m->inert, &values);
+    for (size_t r = m->inert; r < m->sites; r++) {
+        double weight = m->site[r].area / m->energy_unit;
+        force[r] = -weight * values.curvature[r - m->inert] * motion[r] * motion[r];
+    }
+    memset(out->u2, 0, t->n * sizeof *out->u2);
+    haft_model_add_forces(m, force, out->u2);
     solve_refined(t, out->u2);
     out->load2 = 0;
     if (control.site != NULL) {

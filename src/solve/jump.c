@@ -91,7 +91,7 @@ static double energy_beside(haft_tracker *t, double amplitude) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }
     t->spare.load = t->here.load;
-    t->spare.energy = haft_model_evaluate(t->model, t->laws, t->spare.u, 0, NULL, NULL, NULL);
+    t->spare.energy = haft_model_evaluate(t->model, t->rows, t->spare.u, 0, NULL, NULL, NULL);
     return haft_tracker_potential(t, &t->spare);
 }
 

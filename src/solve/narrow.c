@@ -9,11 +9,13 @@
 #include "narrow.h"
 
 #include <math.h>
+#include <stdint.h>
 
 enum { HALF = 3, CORE = 4, LEAST_SIZE = 12 };
 
 /* Lane 0 counts rows from the first on, lane 1 from the last back. */
 typedef double lanes __attribute__((vector_size(16)));
+typedef int64_t lane_counts __attribute__((vector_size(16)));
 
 /* A row of the factor: its pivot's inverse, and its shares of the three rows behind it. */
 typedef struct narrow_row {
@@ -29,7 +31,9 @@ struct haft_narrow {
     size_t n, steps, core; /* rows eliminated in each lane; 3 or 4 are left between them */
     narrow_column *column;
     narrow_row *row;
-    lanes *pivot, *y;          /* steps each: D, and a right-hand side */
+    lanes *y;                  /* steps: a right-hand side */
+    lanes least, largest;      /* of the rows' pivots: the least, and the greatest in size */
+    lane_counts negative;      /* and how many are not positive */
     double middle[CORE][CORE]; /* what is left, factored: L below D */
 };
 
@@ -59,9 +63,8 @@ haft_status haft_narrow_create(haft_narrow **out, size_t n, const int *column, c
     narrow->steps = (n - narrow->core) / 2;
     narrow->column = haft_memory_alloc(n, sizeof *narrow->column, error);
     narrow->row = haft_memory_alloc(narrow->steps, sizeof *narrow->row, error);
-    narrow->pivot = haft_memory_alloc(narrow->steps, sizeof *narrow->pivot, error);
     narrow->y = haft_memory_alloc(narrow->steps, sizeof *narrow->y, error);
-    bool made = narrow->column && narrow->row && narrow->pivot && narrow->y, fits = made;
+    bool made = narrow->column && narrow->row && narrow->y, fits = made;
     for (size_t j = 0; j < n && fits; j++) {
         fits = find_column(&narrow->column[j], (int)j, row, column[j], column[j + 1]);
     }
@@ -78,7 +81,6 @@ void haft_narrow_destroy(haft_narrow **narrow) {
     }
     haft_memory_free((*narrow)->column);
     haft_memory_free((*narrow)->row);
-    haft_memory_free((*narrow)->pivot);
     haft_memory_free((*narrow)->y);
     haft_memory_free(*narrow);
     *narrow = NULL;
@@ -122,16 +124,32 @@ static void factor_middle(haft_narrow *narrow, const double *values, const corne
     }
 }
 
+/* a where the mask is set, b elsewhere. */
+static inline lanes choose(lane_counts mask, lanes a, lanes b) {
+    return (lanes)(((lane_counts)a & mask) | ((lane_counts)b & ~mask));
+}
+
+/* Takes note of the rows' pivots d as they come; a comparison gives -1 where it holds. */
+static inline void note_pivots(haft_narrow *narrow, lanes d) {
+    lanes size = choose(d < 0, -d, d);
+    narrow->negative -= ~(d > 0);
+    narrow->least = choose(d < narrow->least, d, narrow->least);
+    narrow->largest = choose(size > narrow->largest, size, narrow->largest);
+}
+
 bool haft_narrow_update(haft_narrow *narrow, const double *values) {
     corner c = {0};
     lanes sum = {0, 0};
+    narrow->least = (lanes){INFINITY, INFINITY};
+    narrow->largest = (lanes){0, 0};
+    narrow->negative = (lane_counts){0, 0};
     for (size_t i = 0; i < narrow->steps; i++) {
         narrow_row *row = &narrow->row[i];
         lanes d = entry(narrow, values, i, 0) + c.a00, r1 = entry(narrow, values, i, 1) + c.a01;
         lanes r2 = entry(narrow, values, i, 2) + c.a02, r3 = entry(narrow, values, i, 3);
         lanes inverse = 1 / d, l1 = r1 * inverse, l2 = r2 * inverse, l3 = r3 * inverse;
         *row = (narrow_row){inverse, {l1, l2, l3}};
-        narrow->pivot[i] = d;
+        note_pivots(narrow, d);
         sum += d;
         c = (corner){.a00 = c.a11 - l1 * r1,
                      .a01 = c.a12 - l1 * r2,
@@ -211,12 +229,9 @@ static void count_pivot(double pivot, haft_inertia *inertia, double *largest) {
 }
 
 haft_inertia haft_narrow_inertia(const haft_narrow *narrow) {
-    haft_inertia inertia = {0, INFINITY};
-    double largest = 0;
-    for (size_t i = 0; i < narrow->steps; i++) {
-        count_pivot(narrow->pivot[i][0], &inertia, &largest);
-        count_pivot(narrow->pivot[i][1], &inertia, &largest);
-    }
+    haft_inertia inertia = {(int)(narrow->negative[0] + narrow->negative[1]),
+                            fmin(narrow->least[0], narrow->least[1])};
+    double largest = fmax(narrow->largest[0], narrow->largest[1]);
     for (size_t j = 0; j < narrow->core; j++) {
         count_pivot(narrow->middle[j][j], &inertia, &largest);
     }

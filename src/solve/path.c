@@ -28,7 +28,7 @@ void haft_walker_record(haft_walker *w, int jump) {
 }
 
 double haft_walker_crack(const haft_tracker *t, const haft_state *state) {
-    return haft_model_crack_length(t->model, t->laws, state->u, t->programme.crack_threshold);
+    return haft_model_crack_length(t->model, t->reach, state->u);
 }
 
 double haft_walker_excess(const haft_walker *w, const haft_state *state) {

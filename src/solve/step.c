@@ -62,34 +62,35 @@ static double passing_share(double d, double a, double b, double kink, double ra
  * control: then the kink is met to round-off. */
 static void stop_at_kink(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
-    double first = 1, target = 0;
-    size_t chosen = t->model->sites;
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
+    const haft_model *m = t->model;
+    double first = 1, target = 0, *d = t->site[0], *motion = t->site[1];
+    haft_model_displacements(m, t->here.u, d);
+    haft_model_displacements(m, t->start.u1, motion);
+    size_t chosen = m->sites;
+    for (size_t r = m->inert; r < m->sites; r++) {
         const haft_law *law = &t->laws[r];
-        const haft_site *site = &t->model->site[r];
-        if (law->kind != HAFT_LAW_MORSE) {
+        d[r] = m->gap - d[r];
+        double a = -motion[r] * step->dtau;
+        if (fabs(a) < KINK_SHARE * w->eta * haft_tracker_length(t, r, d[r]) ||
+            law->kind != HAFT_LAW_MORSE) {
             continue;
         }
-        double d = t->model->gap - haft_model_displacement(site, t->here.u);
-        double a = -haft_model_displacement(site, t->start.u1) * step->dtau;
-        if (fabs(a) < KINK_SHARE * w->eta * haft_tracker_length(t, r, d)) {
-            continue;
-        }
-        double b = -0.5 * haft_model_displacement(site, t->start.u2) * step->dtau * step->dtau;
+        double curving = haft_model_displacement(&m->site[r], t->start.u2);
+        double b = -0.5 * curving * step->dtau * step->dtau;
         const double kink[2] = {law->d_max, law->wall_distance};
         for (int k = 0; k < 2; k++) {
-            double share = passing_share(d, a, b, kink[k], t->range[r]);
+            double share = passing_share(d[r], a, b, kink[k], t->range[r]);
             if (share < first) {
                 first = share;
-                target = d - kink[k];
+                target = d[r] - kink[k];
                 chosen = r;
             }
         }
     }
     if (chosen < t->model->sites) {
         step->control = (haft_control){&t->model->site[chosen], chosen};
-        double rate = haft_branch_rebase(t, step->control, &t->start);
-        step->sign = rate > 0 ? step->sign : -step->sign;
+        double turned = haft_branch_rebase(t, step->control, &t->start);
+        step->sign = turned > 0 ? step->sign : -step->sign;
         step->dtau = target / t->model->gap;
     }
 }

@@ -7,7 +7,7 @@
 
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale) {
-    haft_energy e = haft_model_evaluate(t->model, t->laws, u, load * t->load_unit, t->gradient,
+    haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
                                         t->hessian, force_scale);
     if (energy != NULL) {
         *energy = e;
@@ -22,7 +22,7 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load) {
     haft_energy e =
-        haft_model_evaluate(t->model, t->laws, u, load * t->load_unit, t->gradient, NULL, NULL);
+        haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient, NULL, NULL);
     double sum = e.strain + e.contact;
     t->not_finite += !isfinite(sum);
     return isfinite(sum);
@@ -83,14 +83,23 @@ double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
     return t->range[site] + (beyond > 0 ? beyond : 0);
 }
 
-double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site) {
-    double largest = 0;
+/* How far each site's gap moves in lengths of its law, into `share`. */
+HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *w, const double *motion,
+                                      double *restrict share) {
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        const haft_site *s = &t->model->site[r];
-        double d = t->model->gap - haft_model_displacement(s, u);
-        double move = fabs(haft_model_displacement(s, v)) / haft_tracker_length(t, r, d);
-        if (move > largest) {
-            largest = move;
+        double beyond = (t->model->gap - w[r]) - t->far[r];
+        share[r] = fabs(motion[r]) / (t->range[r] + (beyond > 0 ? beyond : 0));
+    }
+}
+
+double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site) {
+    double *w = t->site[0], *motion = t->site[1], *share = t->site[2], largest = 0;
+    haft_model_displacements(t->model, u, w);
+    haft_model_displacements(t->model, v, motion);
+    measure_moves(t, w, motion, share);
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
+        if (share[r] > largest) {
+            largest = share[r];
             if (site != NULL) {
                 *site = r;
             }
@@ -148,7 +157,12 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     t->gap_before = haft_memory_alloc(sites, sizeof(double), error);
     t->gap_after = haft_memory_alloc(sites, sizeof(double), error);
     t->site_stiffness = haft_memory_alloc(sites, sizeof(double), error);
-    bool all = t->pair && t->hessian && t->matrix && t->range && t->reach && t->far &&
+    bool scratch = true;
+    for (int i = 0; i < HAFT_SITE_SCRATCH; i++) {
+        t->site[i] = haft_memory_alloc(haft_law_lanes(sites), sizeof(double), error);
+        scratch = scratch && t->site[i] != NULL;
+    }
+    bool all = scratch && t->pair && t->hessian && t->matrix && t->range && t->reach && t->far &&
                t->gap_before && t->gap_after && t->site_stiffness;
     return all ? HAFT_OK : HAFT_ERROR_MEMORY;
 }
@@ -196,6 +210,9 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
     t->load_unit = model->energy_unit / model->gap;
     haft_status status = allocate(t, error);
     if (status == HAFT_OK) {
+        status = haft_law_rows_create(&t->rows, model->sites, laws, error);
+    }
+    if (status == HAFT_OK) {
         status = put_at_rest(t, error);
     }
     if (status != HAFT_OK) {
@@ -226,6 +243,10 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     haft_memory_free(t->gap_before);
     haft_memory_free(t->gap_after);
     haft_memory_free(t->site_stiffness);
+    for (int i = 0; i < HAFT_SITE_SCRATCH; i++) {
+        haft_memory_free(t->site[i]);
+    }
+    haft_law_rows_destroy(&t->rows);
     haft_memory_free(t);
     *tracker = NULL;
 }

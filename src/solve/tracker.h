@@ -38,9 +38,12 @@ typedef struct haft_control {
 
 typedef struct haft_corrector haft_corrector;
 
+enum { HAFT_SITE_SCRATCH = 6 };
+
 typedef struct haft_tracker {
     const haft_model *model;
     const haft_law *laws;
+    haft_law_rows *rows; /* the same, laid out for evaluation */
     haft_path_options options;
     haft_programme programme;
     size_t n;
@@ -56,6 +59,7 @@ typedef struct haft_tracker {
     double *stage[3];                    /* n each: the flow's stages */
     double *pair;                        /* 2 n: two right-hand sides solved together */
     double *gap_before, *gap_after;      /* sites each */
+    double *site[HAFT_SITE_SCRATCH];     /* haft_law_lanes(sites) each: scratch */
     double *site_stiffness;              /* sites: at the state last certified, for refinement */
     haft_state here, next, spare;        /* accepted, tried, and the flow's second */
     haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */

@@ -2,7 +2,9 @@
 /* The error budget of a mean crack length: each approximation is refined alone, on the same beams,
  * and all are at once. A shift is measured, not extrapolated: where the error falls in proportion
  * to a step, halving the step shows half of it. Terms whose two sides cannot have beams in common
- * (another source of laws) are differences of independent means, and need many beams. */
+ * (another source of laws) are differences of independent means, and need many beams. Where all
+ * terms are paired, so is what they do to each other: what all at once change a beam by, less what
+ * each alone changes it by, has no scatter but its own. */
 #include "budget.h"
 
 #include <math.h>
@@ -163,6 +165,53 @@ static haft_status measure(haft_budget_term *term, haft_changed_set *set, const 
     return HAFT_OK;
 }
 
+static bool is_stuck(const haft_changed *side, size_t k) {
+    return side->beam[k].outcome == HAFT_OUTCOME_STUCK;
+}
+
+/* What all refinements change the beams by, less the sum of what each does: the mean of the beams
+ * that stuck in all variants. */
+static haft_status measure_interaction(haft_budget *out, haft_changed_set *set, const plan p[TERMS],
+                                       unsigned all, haft_error *error) {
+    const haft_changed *side[2 * (TERMS + 1)];
+    double sign[2 * (TERMS + 1)], mean = 0, squares = 0;
+    size_t sides = 0, n = 0;
+    for (size_t i = 0; i <= TERMS; i++) {
+        bool together = i == TERMS;
+        if (!together && !(out->term[i].measured && p[i].refinement)) {
+            continue;
+        }
+        for (int j = 0; j < 2; j++) {
+            unsigned changes = together ? (j == 0 ? 0 : all) : j == 0 ? p[i].from : p[i].to;
+            haft_status status = haft_changed_get(&side[sides], set, changes, error);
+            if (status != HAFT_OK) {
+                return status;
+            }
+            sign[sides++] = (j == 1) == together ? 1 : -1;
+        }
+    }
+    for (size_t k = 0; k < set->beams; k++) {
+        double value = 0;
+        bool stuck = true;
+        for (size_t i = 0; i < sides; i++) {
+            stuck = stuck && is_stuck(side[i], k);
+            value += sign[i] * side[i]->beam[k].crack_length;
+        }
+        if (stuck) {
+            double off = value - mean;
+            mean += off / (double)++n;
+            squares += off * (value - mean);
+        }
+    }
+    haft_interval bounds =
+        haft_study_mean_interval(mean, sqrt(squares / (double)(n - 1)), n, out->confidence);
+    out->interaction.measured = n > 0;
+    out->interaction.beams = n;
+    out->interaction.shift = n > 0 ? mean : NAN;
+    out->interaction.half_width = 0.5 * (bounds.high - bounds.low);
+    return HAFT_OK;
+}
+
 /* All refinements that could be measured, at once. */
 static haft_status measure_together(haft_budget *out, haft_changed_set *set, const plan p[TERMS],
                                     haft_error *error) {
@@ -180,7 +229,23 @@ static haft_status measure_together(haft_budget *out, haft_changed_set *set, con
         all.paired = false;
     }
     snprintf(all.change, sizeof all.change, "every refinement above together");
-    return measure(&out->together, set, &all, error);
+    out->interaction = (haft_budget_term){.name = "interaction",
+                                          .change = "not in the sum: what refinements do to each "
+                                                    "other",
+                                          .refinement = true,
+                                          .paired = true,
+                                          .from = NAN,
+                                          .to = NAN,
+                                          .shift = NAN,
+                                          .half_width = NAN,
+                                          .cost = NAN};
+    haft_status status = measure(&out->together, set, &all, error);
+    if (status != HAFT_OK || !all.paired || !out->together.measured) {
+        snprintf(out->interaction.change, sizeof out->interaction.change,
+                 "none: not all terms have the same beams");
+        return status;
+    }
+    return measure_interaction(out, set, p, all.to, error);
 }
 
 static void sum_up(haft_budget *out) {

@@ -13,7 +13,7 @@ static const char HEADER[] = "term,kind,change,beams,switched,from [um],to [um],
 enum { COLUMNS = 11, LINE_CAPACITY = 1024 };
 
 static const char SAMPLE[] = "sample count", TOTAL[] = "sum of refinements",
-                  MODELS[] = "sum of other models";
+                  MODELS[] = "sum of other models", INTERACTION[] = "interaction";
 
 static haft_status digest_of(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
                              haft_error *error) {
@@ -58,6 +58,7 @@ static void write_rows(FILE *stream, const haft_budget *b, const char *digest) {
             "\"%s\",sample,\"four times as many beams halve it\",%zu,0,nan,nan,0,%.12g,4,%s\n",
             SAMPLE, b->sampled, b->sampling * 1e6, digest);
     write_row(stream, &b->together, digest);
+    write_row(stream, &b->interaction, digest);
     fprintf(stream, "\"%s\",sum,\"confidence %.12g\",%zu,0,%.12g,nan,%.12g,%.12g,nan,%s\n", TOTAL,
             b->confidence, b->beams, b->mean * 1e6, b->total * 1e6, b->total_half_width * 1e6,
             digest);
@@ -148,6 +149,8 @@ static void take_row(haft_budget *out, char *field[COLUMNS]) {
         out->models = t.shift;
     } else if (strncmp(t.name, "all ", 4) == 0) {
         out->together = t;
+    } else if (strcmp(t.name, INTERACTION) == 0) {
+        out->interaction = t;
     } else if (out->count < HAFT_BUDGET_TERMS_MAX) {
         out->term[out->count++] = t;
     }

@@ -130,7 +130,7 @@ haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
     if (status == HAFT_OK && c->curves != HAFT_CURVES_ALL) {
         status = drop_curves(&b.laws, c, error);
     }
-    if (status == HAFT_OK && stochastic) {
+    if (status == HAFT_OK && stochastic && !haft_study_draws_patches(c)) {
         status = haft_study_build_chaos(b.laws, c, error);
     }
     haft_builder_destroy(&builder);

@@ -9,8 +9,8 @@ static haft_status keep(haft_crew *crew, size_t k, const haft_path *path,
     haft_status status = HAFT_OK;
     omp_set_lock(&crew->lock);
     if (crew->part == NULL) {
-        status = haft_part_create(&crew->part, crew->folder, crew->rank, crew->c, crew->laws_digest,
-                                  error);
+        status = haft_part_create(&crew->part, crew->folder, crew->shard, crew->rank, crew->c,
+                                  crew->laws_digest, error);
     }
     if (status == HAFT_OK) {
         status = haft_part_append(crew->part, k, path, crew->model->dofs, summary, laws, error);
@@ -86,7 +86,8 @@ haft_status haft_crew_equip(haft_crew *crew, const bool *done, size_t *lacking, 
     size_t count = 0;
     if (!haft_sampler_is_stochastic(crew->c->law.sampler)) {
         for (size_t k = 0; k < crew->c->realizations; k++) {
-            count += (done == NULL || !done[k]) && !haft_study_has_laws(crew->c, crew->laws, k);
+            count += haft_shard_has(crew->shard, k) && (done == NULL || !done[k]) &&
+                     !haft_study_has_laws(crew->c, crew->laws, k);
         }
     }
     if (lacking != NULL) {

@@ -15,6 +15,7 @@ typedef struct haft_crew {
     haft_builder_hand **hand; /* one a thread, made with its first beam */
     int rank;           /* of this process: MPI itself is asked by the thread that began alone */
     const char *folder; /* of the parts */
+    haft_shard shard;
     const char *laws_digest;
     haft_desk *desk;  /* on rank 0; NULL on the others, which reach it through a relay */
     haft_relay relay; /* on the others */

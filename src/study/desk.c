@@ -2,21 +2,28 @@
 /* The order of a run. Realizations go out in ascending order, so whichever thread or process does
  * them, all below the highest one given are done or in work: the lowest failure is the same for any
  * number of hands. The stop rule looks at prefixes alone, 0 to n-1 with n a multiple of a fixed
- * stride, so where it ends the run does not depend on who was quicker, nor on interruptions. */
+ * stride, so where it ends the run does not depend on who was quicker, nor on interruptions. A
+ * shard has no such prefix of its own: it does all it is given, and the rule is for whoever joins
+ * them. */
 #include "desk.h"
 
 #include <math.h>
 #include <stdio.h>
 
 haft_status haft_desk_open(haft_desk *desk, haft_summary *summary, const haft_case *c,
-                           const haft_progress *progress, haft_error *error) {
-    *desk = (haft_desk){
-        .c = c, .progress = progress, .summary = summary, .end = c->realizations, .error = error};
+                           haft_shard shard, const haft_progress *progress, haft_error *error) {
+    *desk = (haft_desk){.c = c,
+                        .shard = shard,
+                        .progress = progress,
+                        .summary = summary,
+                        .end = c->realizations,
+                        .error = error};
     desk->done = haft_memory_alloc(c->realizations, sizeof *desk->done, error);
     if (desk->done == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     for (size_t k = 0; k < c->realizations; k++) {
+        desk->total += haft_shard_has(shard, k);
         summary[k] = (haft_summary){
             .crack_length = NAN, .loaded_crack_length = NAN, .gamma = NAN, .outcome = -1};
     }
@@ -32,10 +39,10 @@ void haft_desk_close(haft_desk *desk) {
     *desk = (haft_desk){0};
 }
 
-/* The run needs no more than the first n: what was done beyond them is forgotten. */
+/* The run needs no more than the first n, all of which are done: what was done beyond them is
+ * forgotten. */
 static void end_at(haft_desk *desk, size_t n) {
-    desk->end = n;
-    desk->count = n;
+    desk->end = desk->total = desk->count = n;
     for (size_t k = n; k < desk->c->realizations; k++) {
         desk->done[k] = false;
         desk->summary[k] = (haft_summary){
@@ -56,7 +63,8 @@ static void advance_prefix(haft_desk *desk) {
 }
 
 static void take_in(haft_desk *desk, size_t realization, const haft_summary *summary) {
-    if (realization < desk->end && !desk->done[realization]) {
+    if (realization < desk->end && haft_shard_has(desk->shard, realization) &&
+        !desk->done[realization]) {
         desk->summary[realization] = *summary;
         desk->done[realization] = true;
         desk->count++;
@@ -67,7 +75,7 @@ static void take_in(haft_desk *desk, size_t realization, const haft_summary *sum
 static void tell(const haft_desk *desk) {
     const haft_progress *p = desk->progress;
     if (p != NULL && p->advance != NULL) {
-        p->advance(p->user, "beams", desk->count, desk->end);
+        p->advance(p->user, "beams", desk->count, desk->total);
     }
 }
 
@@ -76,7 +84,7 @@ void haft_desk_restore(haft_desk *desk, size_t realization, const haft_summary *
 }
 
 void haft_desk_begin(haft_desk *desk) {
-    if (desk->count < desk->end) {
+    if (desk->count < desk->total) {
         tell(desk);
     }
 }
@@ -88,7 +96,8 @@ static bool asked_to_stop(const haft_desk *desk) {
 
 bool haft_desk_next(haft_desk *desk, size_t *realization) {
     omp_set_lock(&desk->lock);
-    while (desk->next < desk->end && desk->done[desk->next]) {
+    while (desk->next < desk->end &&
+           (desk->done[desk->next] || !haft_shard_has(desk->shard, desk->next))) {
         desk->next++;
     }
     bool more = desk->next < desk->end && desk->status == HAFT_OK && !desk->interrupted;
@@ -132,19 +141,19 @@ void haft_desk_abort(haft_desk *desk, haft_status status, const char *message) {
     omp_unset_lock(&desk->lock);
 }
 
-haft_status haft_desk_outcome(haft_desk *desk) {
+haft_status haft_desk_outcome(haft_desk *desk, const char *way) {
     if (desk->status != HAFT_OK && desk->failed >= desk->end && !desk->aborted) {
         desk->status = HAFT_OK; /* beyond what the stop rule needs */
     }
-    if (desk->status == HAFT_OK && desk->count < desk->end) {
+    if (desk->status == HAFT_OK && desk->count < desk->total) {
         desk->status =
             desk->count == 0
                 ? haft_error_set(desk->error, HAFT_ERROR_INTERRUPTED,
                                  "stopped before the first realization was done")
                 : haft_error_set(desk->error, HAFT_ERROR_INTERRUPTED,
-                                 "stopped after %zu of %zu realizations; these are kept, and `haft "
-                                 "resume` goes on from there",
-                                 desk->count, desk->end);
+                                 "stopped after %zu of %zu realizations; these are kept, and "
+                                 "`%s` goes on from there",
+                                 desk->count, desk->total, way);
     }
     return desk->status;
 }

@@ -11,12 +11,14 @@
  * called by any number of threads. */
 typedef struct haft_desk {
     const haft_case *c;
+    haft_shard shard; /* what is not in it is neither handed out nor taken in */
     const haft_progress *progress;
     haft_summary *summary; /* realizations; the caller's */
     bool *done;            /* realizations */
     size_t next;           /* none below it is to be handed out any more */
     size_t count;          /* done below `end` */
-    size_t end;            /* realizations to do; fewer once the stop rule holds */
+    size_t end;            /* realizations of the run; fewer once the stop rule holds */
+    size_t total;          /* of them in the shard */
     haft_moments moments;  /* of the prefix in which all are done, for the stop rule */
     size_t prefix;
     bool interrupted;
@@ -28,7 +30,8 @@ typedef struct haft_desk {
 } haft_desk;
 
 haft_status haft_desk_open(haft_desk *desk, haft_summary *summary, const haft_case *c,
-                           const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
+                           haft_shard shard, const haft_progress *progress,
+                           haft_error *error) HAFT_MUST_CHECK;
 void haft_desk_close(haft_desk *desk);
 
 /* Enters a realization that an earlier run has done, before the work begins. */
@@ -47,7 +50,8 @@ void haft_desk_fail(haft_desk *desk, size_t realization, haft_status status, con
 /* Something else went wrong: ends the run. */
 void haft_desk_abort(haft_desk *desk, haft_status status, const char *message);
 
-/* What came of it, once all hands are still: HAFT_OK if all are done. */
-haft_status haft_desk_outcome(haft_desk *desk);
+/* What came of it, once all hands are still: HAFT_OK if all are done.
+ * @param[in] way the command that goes on with what is left */
+haft_status haft_desk_outcome(haft_desk *desk, const char *way);
 
 #endif

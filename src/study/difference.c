@@ -2,12 +2,14 @@
 /* Two sets of beams beside each other. Where they have the seed in common, beam k of one has the
  * random numbers of beam k of the other, and the differences of pairs say more than the difference
  * of means. The test of distributions takes the sets as independent: of paired sets it rejects too
- * seldom. */
+ * seldom. A distance of two samples is never 0, even if their laws are one: so it stands beside
+ * what it would then be, found by dealing the beams out anew (permutation), and its own error is
+ * found by drawing beams with repetition (bootstrap; Efron 1979). */
 #include "haft/study_report.h"
 
 #include <math.h>
 
-enum { EXACT_MOST = 200, EXACT_PATHS = 1000000 };
+enum { EXACT_MOST = 200, EXACT_PATHS = 1000000, ROUNDS = 400 };
 
 /* Crack lengths of the beams followed to the end, sorted; a free one is longer than any. */
 typedef struct lengths {
@@ -113,6 +115,84 @@ static void compare_pairs(haft_difference *out, const haft_summary *a, const haf
     out->correlation = n > 1 && spread > 0 ? product / spread : NAN;
 }
 
+/* ---- what chance does ---- */
+
+/* Index below n, of a stream that hangs on nothing but the round and the place. */
+static size_t draw_below(size_t n, uint64_t round, uint64_t place, uint64_t draw) {
+    uint64_t words[4];
+    haft_random_words((haft_random_key){0, HAFT_RANDOM_RESAMPLE}, round, place, draw, words);
+    size_t k = (size_t)(haft_random_uniform(words[0]) * (double)n);
+    return k < n ? k : n - 1;
+}
+
+/* Standard error of a standard deviation s, whatever the law: sqrt((m4 - s^4) / (4 s^2 n)). */
+static double error_of_deviation(const lengths *l, const haft_statistics *of) {
+    double s = of->deviation, fourth = 0;
+    for (size_t k = 0; k < l->stuck; k++) {
+        fourth += pow(l->value[k] - of->mean, 4) / (double)l->stuck;
+    }
+    return s > 0 ? sqrt(fmax(0, fourth - pow(s, 4)) / (double)l->stuck) / (2 * s) : 0;
+}
+
+/* Deals the pooled samples out anew (Fisher and Yates). */
+static void deal(size_t n, double *x, uint64_t round) {
+    for (size_t k = n; k > 1; k--) {
+        size_t j = draw_below(k, round, k, 0);
+        double swap = x[k - 1];
+        x[k - 1] = x[j];
+        x[j] = swap;
+    }
+}
+
+static void measure_by_chance(haft_difference *out, const double *x, size_t n, const double *y,
+                              size_t m, double *room) {
+    double sum = 0, squares = 0, chance = 0, mean = 0;
+    for (uint64_t round = 0; round < ROUNDS; round++) {
+        for (size_t k = 0; k < n; k++) {
+            room[k] = x[draw_below(n, round, k, 1)];
+        }
+        for (size_t k = 0; k < m; k++) {
+            room[n + k] = y[draw_below(m, round, k, 2)];
+        }
+        haft_chaos_sort(n, room);
+        haft_chaos_sort(m, room + n);
+        double w = haft_chaos_distance_of_samples(n, room, m, room + n).w1, delta = w - mean;
+        sum += 1;
+        mean += delta / sum;
+        squares += delta * (w - mean);
+        for (size_t k = 0; k < n + m; k++) {
+            room[k] = k < n ? x[k] : y[k - n];
+        }
+        deal(n + m, room, round);
+        haft_chaos_sort(n, room);
+        haft_chaos_sort(m, room + n);
+        chance += haft_chaos_distance_of_samples(n, room, m, room + n).w1;
+    }
+    out->w1_error = sqrt(squares / (ROUNDS - 1));
+    out->w1_by_chance = chance / ROUNDS;
+}
+
+/* Of those that stuck alone, which come first among the sorted lengths. */
+static haft_status compare_stuck(haft_difference *out, const lengths l[2],
+                                 const haft_statistics s[2], haft_error *error) {
+    size_t n = l[0].stuck, m = l[1].stuck;
+    if (n < 2 || m < 2) {
+        return HAFT_OK;
+    }
+    double *room = haft_memory_alloc(n + m, sizeof *room, error);
+    if (room == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    out->mean_error = hypot(s[0].standard_error, s[1].standard_error);
+    out->deviation_shift = s[1].deviation - s[0].deviation;
+    out->deviation_error =
+        hypot(error_of_deviation(&l[0], &s[0]), error_of_deviation(&l[1], &s[1]));
+    out->w1 = haft_chaos_distance_of_samples(n, l[0].value, m, l[1].value).w1;
+    measure_by_chance(out, l[0].value, n, l[1].value, m, room);
+    haft_memory_free(room);
+    return HAFT_OK;
+}
+
 haft_status haft_study_differ(haft_difference *out, const haft_case *first,
                               const haft_summary *first_beam, size_t first_beams,
                               const haft_case *second, const haft_summary *second_beam,
@@ -125,6 +205,12 @@ haft_status haft_study_differ(haft_difference *out, const haft_case *first,
     lengths l[2] = {{0}, {0}};
     *out = (haft_difference){.confidence = s[0].confidence,
                              .paired = first->seed == second->seed,
+                             .mean_error = NAN,
+                             .deviation_shift = NAN,
+                             .deviation_error = NAN,
+                             .w1 = NAN,
+                             .w1_error = NAN,
+                             .w1_by_chance = NAN,
                              .pair_difference = NAN,
                              .pair_deviation = NAN,
                              .pair_interval = {NAN, NAN},
@@ -154,6 +240,7 @@ haft_status haft_study_differ(haft_difference *out, const haft_case *first,
             size_t common = first_beams < second_beams ? first_beams : second_beams;
             compare_pairs(out, first_beam, second_beam, common);
         }
+        status = compare_stuck(out, l, s, error);
     }
     haft_memory_free(l[0].value);
     haft_memory_free(l[1].value);

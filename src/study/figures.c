@@ -88,12 +88,17 @@ typedef struct shown {
 } shown;
 
 /* Laws of the first realization's sites, spread over that part of the beam that has them. */
-static void show_sites(shown *s, const haft_site_laws *sites, const haft_laws *laws, size_t first) {
+static void show_sites(shown *s, const haft_case *c, const haft_site_laws *sites,
+                       const haft_laws *laws) {
+    bool drawn = haft_study_draws_patches(c);
+    size_t first = haft_study_first_site(c);
     size_t n = sites->sites - first;
     s->count = n < CURVES ? n : CURVES;
     for (size_t k = 0; k < s->count; k++) {
         s->index[k] = first + k * n / s->count;
-        s->curve[k] = haft_laws_curve(laws, s->index[k] - laws->first_site);
+        s->curve[k] =
+            haft_laws_curve(laws, drawn ? haft_chaos_draw_patch(c->seed, 0, s->index[k], laws->m)
+                                        : s->index[k] - laws->first_site);
         s->law[k] = sites->law[s->index[k]];
         s->vector[k] = sites->vector[s->index[k]];
     }
@@ -188,7 +193,7 @@ static haft_status write_laws(const haft_case *c, const haft_laws *laws, const c
         own.law.unfit = HAFT_UNFIT_TABLE;
         status = haft_study_site_laws(&sites, &own, laws, 0, error);
         if (status == HAFT_OK) {
-            show_sites(&s, sites, laws, haft_study_first_site(c));
+            show_sites(&s, c, sites, laws);
         }
     }
     if (status == HAFT_OK) {

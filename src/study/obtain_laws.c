@@ -33,7 +33,7 @@ static void tell_left_out(const haft_case *c, const haft_laws *laws,
     size_t count[HAFT_LAW_FAULTS];
     char text[200];
     haft_study_count_faults(laws, count);
-    bool used = laws->chaos != NULL && c->law.kind != HAFT_LAW_TABLE;
+    bool used = laws->chaos != NULL && !haft_study_draws_patches(c);
     if (used && count[HAFT_LAW_SOUND] < laws->m) {
         snprintf(
             text, sizeof text,
@@ -82,7 +82,9 @@ haft_status haft_study_obtain_laws(haft_laws **out, char digest[HAFT_DIGEST_CAPA
         return status;
     }
     tell_forces(c, progress);
-    if (there && strcmp(found, digest) == 0 && drawn == ((*out)->chaos != NULL)) {
+    bool model = drawn && !haft_study_draws_patches(c);
+    if (there && strcmp(found, digest) == 0 && (drawn || (*out)->chaos == NULL) &&
+        (!model || (*out)->chaos != NULL)) {
         tell(progress, (*out)->origin[0] != '\0'
                            ? "the laws were fitted to a table of vectors: reading them"
                            : "the laws were built from the same inputs: reading them");

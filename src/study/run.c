@@ -2,6 +2,7 @@
 /* A run from its start or from where another ended: what parts are there, what is left to do, and
  * the results and laws made of all parts at the end, in order of realization. */
 #include "crew.h"
+#include "shards.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,6 +13,7 @@ typedef struct run {
     const haft_case *c;
     const haft_run_files *files;
     haft_run_mode mode;
+    haft_shard shard;
     const haft_progress *progress;
     char laws_digest[HAFT_DIGEST_CAPACITY];
     haft_parts *parts;
@@ -73,7 +75,14 @@ static haft_status find_parts(run *r) {
     haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, note_on, r, r->error);
     if (status == HAFT_OK && haft_parts_files(r->parts) > 0) {
         snprintf(text, sizeof text, "%zu of %zu realizations are there from the unfinished run",
-                 haft_parts_found(r->parts), r->c->realizations);
+                 haft_parts_found(r->parts), r->desk.total);
+        tell(r, text);
+    }
+    if (status == HAFT_OK && haft_parts_repeated(r->parts) > 0) {
+        snprintf(
+            text, sizeof text,
+            "%zu realizations are there more than once, to the same bits: one of each is taken",
+            haft_parts_repeated(r->parts));
         tell(r, text);
     }
     return status;
@@ -116,8 +125,8 @@ static haft_status take_complete(run *r) {
     haft_results_view *view = NULL;
     if (access(r->files->results, F_OK) != 0) {
         return haft_error_set(r->error, HAFT_ERROR_INPUT,
-                              "%s: there is no unfinished run to resume; start one with `haft run`",
-                              r->files->parts);
+                              "%s: there is no unfinished run to %s; start one with `haft run`",
+                              r->files->parts, r->mode == HAFT_RUN_MERGE ? "merge" : "resume");
     }
     haft_status status = haft_results_read(&view, r->files->results, r->error);
     if (status != HAFT_OK) {
@@ -233,6 +242,16 @@ static haft_status conclude(run *r, haft_status outcome) {
     return status;
 }
 
+static void tell_shard(const run *r) {
+    char text[HAFT_TEXT_CAPACITY];
+    snprintf(
+        text, sizeof text,
+        "shard %zu/%zu is done: its %zu realizations are kept in %s; once all shards are, `haft "
+        "merge %s` makes the results",
+        r->shard.index, r->shard.count, r->desk.total, r->files->parts, r->files->folder);
+    tell(r, text);
+}
+
 static void tell_stop(const run *r) {
     if (r->desk.end < r->c->realizations) {
         char text[HAFT_TEXT_CAPACITY];
@@ -265,17 +284,56 @@ static haft_status build_together(run *r) {
     return status == HAFT_OK ? haft_laws_write(r->laws, r->c, r->files->laws, r->error) : status;
 }
 
+/* The laws as they lie there: a model must, beams' own laws need not. */
+static haft_status read_laws(run *r) {
+    char built[HAFT_DIGEST_CAPACITY];
+    haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    if (!haft_sampler_is_stochastic(r->c->law.sampler)) {
+        return haft_study_obtain_laws(&r->laws, built, r->c, r->files->laws, NULL, r->error);
+    }
+    if (access(r->files->laws, F_OK) != 0) {
+        return haft_error_set(r->error, HAFT_ERROR_INPUT,
+                              "%s is not there, the model that all shards draw from; build it by "
+                              "`haft-laws build %s`",
+                              r->files->laws, r->files->folder);
+    }
+    status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
+    if (status == HAFT_OK && strcmp(built, r->laws_digest) != 0) {
+        status = haft_study_rank() > 0
+                     ? haft_error_set(r->error, HAFT_ERROR_INPUT,
+                                      "%s was built from other inputs than rank %d sees; do all "
+                                      "ranks see the same files?",
+                                      r->files->laws, haft_study_rank())
+                     : haft_error_set(r->error, HAFT_ERROR_INPUT,
+                                      "%s was built from other inputs than case.yaml has now; "
+                                      "build it anew by `haft-laws build %s`",
+                                      r->files->laws, r->files->folder);
+    }
+    return status;
+}
+
 static haft_status prepare(run *r) {
-    haft_status status = haft_study_obtain_laws(&r->laws, r->laws_digest, r->c, r->files->laws,
-                                                r->progress, r->error);
-    if (status == HAFT_OK) {
-        status = build_together(r);
+    haft_status status = HAFT_OK;
+    if (r->shard.count > 0 || r->mode == HAFT_RUN_MERGE) {
+        status = read_laws(r);
+    } else {
+        status = haft_study_obtain_laws(&r->laws, r->laws_digest, r->c, r->files->laws, r->progress,
+                                        r->error);
+        if (status == HAFT_OK) {
+            status = build_together(r);
+        }
     }
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
     }
     if (status == HAFT_OK) { /* the old parts stay until here */
         status = r->mode == HAFT_RUN_ANEW ? haft_parts_clear(r->parts, r->error) : restore(r);
+    }
+    if (status == HAFT_OK && r->mode == HAFT_RUN_MERGE) {
+        status = haft_shards_check(&r->desk, r->parts, r->files, r->error);
     }
     return status;
 }
@@ -295,9 +353,11 @@ static haft_status work(run *r) {
                       .model = r->model,
                       .folder = r->files->parts,
                       .laws_digest = r->laws_digest,
+                      .shard = r->shard,
                       .desk = &r->desk,
                       .rank = haft_study_rank()};
     haft_error own = {0};
+    char way[HAFT_WAY_CAPACITY];
     size_t lacking = 0;
     haft_status status = haft_crew_equip(&crew, r->desk.done, &lacking, r->error);
     if (status == HAFT_OK) {
@@ -309,7 +369,8 @@ static haft_status work(run *r) {
         if (status != HAFT_OK) {
             haft_desk_abort(&r->desk, status, own.message);
         }
-        status = haft_desk_outcome(&r->desk);
+        haft_shards_way(way, r->shard, r->files);
+        status = haft_desk_outcome(&r->desk, way);
     }
     haft_crew_disband(&crew);
     return status;
@@ -323,7 +384,11 @@ static haft_status go(run *r) {
     if (!r->started) {
         return status;
     }
-    if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->desk.count > 0)) {
+    if (r->shard.count > 0) {
+        if (status == HAFT_OK) {
+            tell_shard(r);
+        }
+    } else if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->desk.count > 0)) {
         if (status == HAFT_OK) {
             tell_stop(r);
         }
@@ -331,10 +396,11 @@ static haft_status go(run *r) {
     }
     if (status != HAFT_OK && status != HAFT_ERROR_INTERRUPTED && r->desk.count > 0) {
         haft_error said = *r->error;
-        status = haft_error_set(r->error, status,
-                                "%s; the %zu realizations done are kept, and `haft resume` goes on "
-                                "from there",
-                                said.message, r->desk.count);
+        char way[HAFT_WAY_CAPACITY];
+        haft_shards_way(way, r->shard, r->files);
+        status = haft_error_set(
+            r->error, status, "%s; the %zu realizations done are kept, and `%s` goes on from there",
+            said.message, r->desk.count, way);
     }
     return status;
 }
@@ -343,34 +409,14 @@ static haft_status go(run *r) {
 static haft_status begin(run *r) {
     haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
     if (status == HAFT_OK) {
-        status = haft_parts_hold(&r->parts, r->files->parts, r->error);
+        status = haft_parts_hold(&r->parts, r->files->parts, r->shard, r->error);
     }
-    if (status == HAFT_OK && r->mode == HAFT_RUN_NEW) {
+    if (status == HAFT_OK && r->mode == HAFT_RUN_NEW && r->shard.count == 0) {
         status = refuse_parts(r);
-    } else if (status == HAFT_OK && r->mode == HAFT_RUN_RESUME) {
+    } else if (status == HAFT_OK && r->mode != HAFT_RUN_ANEW) {
         status = find_parts(r);
     }
     return status == HAFT_OK ? check_results(r) : status;
-}
-
-/* The laws as rank 0 sees them: a model must be there, beams' own laws need not. */
-static haft_status read_laws(run *r) {
-    char built[HAFT_DIGEST_CAPACITY];
-    haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    if (!haft_sampler_is_stochastic(r->c->law.sampler)) {
-        return haft_study_obtain_laws(&r->laws, built, r->c, r->files->laws, NULL, r->error);
-    }
-    status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
-    if (status == HAFT_OK && strcmp(built, r->laws_digest) != 0) {
-        status = haft_error_set(r->error, HAFT_ERROR_INPUT,
-                                "%s was built from other inputs than rank %d sees; do all ranks "
-                                "see the same files?",
-                                r->files->laws, haft_study_rank());
-    }
-    return status;
 }
 
 /* What another rank than 0 does: its share of the realizations, and nothing else. */
@@ -388,6 +434,7 @@ static haft_status lend_a_hand(run *r) {
                           .model = r->model,
                           .folder = r->files->parts,
                           .laws_digest = r->laws_digest,
+                          .shard = r->shard,
                           .rank = haft_study_rank()};
         status = haft_crew_equip(&crew, NULL, NULL, r->error);
         if (status == HAFT_OK) {
@@ -400,15 +447,17 @@ static haft_status lend_a_hand(run *r) {
 }
 
 static haft_status lead(run *r, haft_summary *summary) {
-    haft_status status = haft_desk_open(&r->desk, summary, r->c, r->progress, r->error);
+    haft_status status = haft_desk_open(&r->desk, summary, r->c, r->shard, r->progress, r->error);
     if (status == HAFT_OK) {
         status = begin(r);
     }
     if (status == HAFT_OK) {
-        haft_io_drop_stale(r->files->results);
-        haft_io_drop_stale(r->files->laws);
-        bool nothing = r->mode == HAFT_RUN_RESUME && haft_parts_files(r->parts) == 0;
-        status = nothing ? take_complete(r) : go(r);
+        if (r->shard.count == 0) { /* another machine's processes are not known here */
+            haft_io_drop_stale(r->files->results);
+            haft_io_drop_stale(r->files->laws);
+        }
+        bool joins = r->mode == HAFT_RUN_RESUME || r->mode == HAFT_RUN_MERGE;
+        status = joins && haft_parts_files(r->parts) == 0 ? take_complete(r) : go(r);
     }
     if (!r->started) {
         haft_relay_start(false);
@@ -417,11 +466,13 @@ static haft_status lead(run *r, haft_summary *summary) {
 }
 
 haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft_run_files *files,
-                           haft_run_mode mode, const haft_progress *progress, haft_error *error) {
+                           haft_run_mode mode, haft_shard shard, const haft_progress *progress,
+                           haft_error *error) {
     haft_error unheard = {0};
     run r = {.c = c,
              .files = files,
              .mode = mode,
+             .shard = shard,
              .progress = progress,
              .error = error != NULL ? error : &unheard};
     bool leads = haft_study_rank() == 0;

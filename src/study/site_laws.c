@@ -67,6 +67,10 @@ static haft_status draw_laws(haft_site_laws *s, const haft_case *c, const haft_l
     return status;
 }
 
+bool haft_study_draws_patches(const haft_case *c) {
+    return c->law.sampler == HAFT_SAMPLER_BOOTSTRAP && c->law.kind == HAFT_LAW_TABLE;
+}
+
 /* The patches' own curves, drawn: of all of them, whether a Morse law would fit or not. */
 static haft_status draw_patches(haft_site_laws *s, const haft_case *c, const haft_laws *laws,
                                 size_t realization, haft_error *error) {
@@ -171,16 +175,16 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
     if (s == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    bool drawn = haft_sampler_is_stochastic(c->law.sampler), tables = c->law.kind == HAFT_LAW_TABLE;
+    bool drawn = haft_sampler_is_stochastic(c->law.sampler), patches = haft_study_draws_patches(c);
     s->sites = haft_study_sites(c);
     s->law = haft_memory_alloc(s->sites, sizeof *s->law, error);
     s->table = haft_memory_alloc(s->sites, sizeof *s->table, error);
     s->vector = haft_memory_alloc(s->sites, sizeof *s->vector, error);
     haft_status status = s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
-        status = (!drawn   ? use_laws
-                  : tables ? draw_patches
-                           : draw_laws)(s, c, laws, realization, error);
+        status = (!drawn    ? use_laws
+                  : patches ? draw_patches
+                            : draw_laws)(s, c, laws, realization, error);
     }
     if (status != HAFT_OK) {
         haft_site_laws_destroy(&s);

@@ -150,7 +150,7 @@ haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, s
 
 haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants, const char *path,
                                    haft_error *error) {
-    enum { FACTS = 21, COLUMNS = 1 + HAFT_SWEPT_KEYS_MAX + FACTS };
+    enum { FACTS = 23, COLUMNS = 1 + HAFT_SWEPT_KEYS_MAX + FACTS };
     static const char *const fact[FACTS] = {"run",
                                             "stuck",
                                             "free",
@@ -171,7 +171,9 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
                                             "standard error [um]",
                                             "free share [1]",
                                             "over paper [1]",
-                                            "over measured [1]"};
+                                            "over measured [1]",
+                                            "quantile 5 % [um]",
+                                            "quantile 95 % [um]"};
     const struct haft_case_sweep *sweep = &variant[0].c->sweep;
     size_t columns = 1 + sweep->keys + FACTS;
     char name[HAFT_SWEPT_KEYS_MAX][HAFT_LABEL_CAPACITY];
@@ -213,7 +215,9 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
                                s->standard_error * 1e6,
                                1 - s->stuck_share,
                                s->mean / variant[i].c->reference.paper_crack_length - 1,
-                               s->mean / variant[i].c->reference.measured_crack_length - 1};
+                               s->mean / variant[i].c->reference.measured_crack_length - 1,
+                               s->quantile[0] * 1e6,
+                               s->quantile[HAFT_STUDY_QUANTILES - 1] * 1e6};
         row[0] = (double)i;
         memcpy(row + 1, variant[i].c->sweep.value, sweep->keys * sizeof *row);
         memcpy(row + 1 + sweep->keys, facts, sizeof facts);

@@ -144,6 +144,12 @@ static void a_run_is_held_against_another(void **state) {
     r = run_expect(2, HAFT, ARGS("run", "--against", a.path, b.path));
     check_says(r.err, "--against belongs to info and plot, not to run");
     ran_free(&r);
+    case_write(&b, (edit[]){{"realizations: 2", "realizations: 1"}, {0}});
+    must_run(HAFT, ARGS("run", "--quiet", "--force", b.path));
+    r = run_expect(3, HAFT, ARGS("info", "--against", a.path, b.path));
+    check_says(r.err,
+               "needs two beams that stuck on either side; there are 1, and 12 of the refer");
+    ran_free(&r);
     r = run_expect(4, HAFT, ARGS("info", "--against", "/nowhere", b.path));
     check_says(r.err, "/nowhere");
     ran_free(&r);

@@ -203,6 +203,54 @@ static void a_model_is_studied(void **state) {
     case_remove(&c);
 }
 
+/* Every site has the curve of one of the patches, drawn anew for each beam and as often as chance
+ * has it; no model is built, so patches without a Morse law do no harm. */
+static void a_bootstrap_of_tables_draws_the_patches_curves(void **state) {
+    (void)state;
+    static const edit edits[] = {SAMPLER("bootstrap"), {"kind: morse", "kind: table"}, {0}};
+    case_folder folder = case_create(edits);
+    char path[400];
+    must_run(HAFT, ARGS("run", "--quiet", folder.path));
+    haft_error error = {0};
+    haft_case *c = NULL;
+    haft_laws *laws = NULL;
+    check_ok(haft_case_read(&c, path_in(&folder, "case.yaml", path), &error), error);
+    char digest[HAFT_DIGEST_CAPACITY];
+    check_ok(haft_laws_read(&laws, digest, path_in(&folder, "out/laws.h5", path), &error), error);
+    assert_int_equal(laws->m, 60);
+    assert_null(laws->chaos);
+    size_t again = 0, drawn[60] = {0}, sites = haft_study_sites(c);
+    for (size_t realization = 0; realization < 2; realization++) {
+        haft_site_laws *s = NULL;
+        check_ok(haft_study_site_laws(&s, c, laws, realization, &error), error);
+        for (size_t r = 0; r < sites; r++) {
+            size_t k = haft_chaos_draw_patch(c->seed, realization, r, laws->m);
+            again += r > 0 && k == haft_chaos_draw_patch(c->seed, realization, r - 1, laws->m);
+            drawn[k]++;
+            const double *curve = haft_laws_curve(laws, k);
+            for (size_t i = 0; i + 1 < laws->n; i++) {
+                assert_true(haft_law_evaluate(&s->law[r], laws->distance[i]).force == curve[i]);
+            }
+        }
+        haft_site_laws_destroy(&s);
+    }
+    size_t different = 0;
+    for (size_t k = 0; k < 60; k++) {
+        different += drawn[k] > 0;
+    }
+    assert_true(again < sites / 5);
+    assert_true(different > sites / 3); /* of 60, two beams' sites draw most */
+    double first[2], next[2];
+    read_cracks(&folder, first);
+    must_run(HAFT, ARGS("run", "--quiet", "--force", "--threads", "1", folder.path));
+    read_cracks(&folder, next);
+    assert_memory_equal(first, next, sizeof first);
+    must_run(HAFT, ARGS("plot", "--quiet", folder.path));
+    haft_laws_destroy(&laws);
+    haft_case_destroy(&c);
+    case_remove(&folder);
+}
+
 static void what_cannot_be_drawn_is_told(void **state) {
     (void)state;
     static const edit table[] = {SAMPLER("gpce"), {"kind: morse", "kind: table"}, {0}};
@@ -252,6 +300,7 @@ int main(void) {
         cmocka_unit_test(a_sample_is_drawn_from_the_case_s_own_model),
         cmocka_unit_test(a_stochastic_case_is_drawn),
         cmocka_unit_test(a_model_is_studied),
+        cmocka_unit_test(a_bootstrap_of_tables_draws_the_patches_curves),
         cmocka_unit_test(what_cannot_be_drawn_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

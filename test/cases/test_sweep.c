@@ -101,7 +101,8 @@ static void variants_stand_beside_their_references(void **state) {
     }
     ran_free(&r);
     char *table = read_whole_file(path_in(&c, "out/sweep.csv", path), NULL);
-    check_says(table, "standard error [um],free share [1],over paper [1],over measured [1]\n");
+    check_says(table, "standard error [um],free share [1],over paper [1],over measured "
+                      "[1],quantile 5 % [um],quantile 95 % [um]\n");
     free(table);
     case_remove(&c);
 }

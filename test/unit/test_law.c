@@ -296,6 +296,29 @@ static void misfit_is_the_energy_out_of_place(void **state) {
     assert_true(!isfinite(haft_law_misfit(&law, N, d, moved)));
 }
 
+/* Of one well it is the vector's e; of two, which have no vector, the sum, by either one's own. */
+static void energy_is_that_of_all_wells(void **state) {
+    (void)state;
+    enum { N = 801 };
+    double d[N], near[N], far[N], both[N];
+    for (size_t i = 0; i < N; i++) {
+        d[i] = 0.05 * (double)i;
+        double a = (d[i] - 8) / 3, b = (d[i] - 25) / 2;
+        near[i] = i == 0 ? 5 : fabs(a) < 1 ? -4 * (1 - a * a) * (1 - a * a) : 0;
+        far[i] = fabs(b) < 1 ? -(1 - b * b) * (1 - b * b) : 0;
+        both[i] = near[i] + far[i];
+    }
+    /* int (1 - x^2)^2 = 16/15 */
+    check_relative(haft_law_energy(N, d, near), 4 * 3 * 16.0 / 15, 1e-4);
+    check_relative(haft_law_energy(N, d, far), 2 * 16.0 / 15, 1e-4);
+    check_relative(haft_law_energy(N, d, both),
+                   haft_law_energy(N, d, near) + haft_law_energy(N, d, far), 1e-12);
+    haft_law_vector v;
+    assert_int_equal(haft_law_characterise(N, d, both, 3, &v), HAFT_LAW_TWO_WELLS);
+    assert_int_equal(haft_law_characterise(N, d, near, 3, &v), HAFT_LAW_SOUND);
+    assert_true(v.e == haft_law_energy(N, d, near));
+}
+
 static void reach_inverts_the_pull(void **state) {
     (void)state;
     haft_law law = typical();
@@ -508,6 +531,7 @@ int main(void) {
         cmocka_unit_test(morse_refuses_what_is_no_vector),
         cmocka_unit_test(a_limit_may_be_a_share_of_the_pull),
         cmocka_unit_test(misfit_is_the_energy_out_of_place),
+        cmocka_unit_test(energy_is_that_of_all_wells),
         cmocka_unit_test(reach_inverts_the_pull),
         cmocka_unit_test(a_table_passes_through_its_points_monotonely),
         cmocka_unit_test(a_tables_derivatives_agree),

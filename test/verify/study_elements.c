@@ -17,6 +17,7 @@
  *
  * That holds along a branch. Which branch a path ends on is no continuous function of the mesh:
  * for whole cycles no order is owed, and what comes out is printed. */
+#include "evaluate.h"
 #include "haft/study.h"
 #include "random_beam.h"
 
@@ -152,7 +153,7 @@ static void settle(const haft_model *m, const haft_law *law, double *u) {
     assert_true(gradient != NULL && hessian != NULL && symbolic != NULL);
     double step = INFINITY;
     for (int i = 0; i < 40 && step > 1e-14; i++) {
-        haft_model_evaluate(m, law, u, 0, gradient, hessian, NULL);
+        evaluate(m, law, u, 0, gradient, hessian, NULL);
         klu_numeric *numeric = klu_factor(m->column, m->row, hessian, symbolic, &common);
         assert_non_null(numeric);
         assert_true(klu_solve(symbolic, numeric, (int)m->dofs, 1, gradient, &common));
@@ -231,12 +232,12 @@ static void measure_branch(const family *f, size_t beam, excess *out) {
     haft_path *path = cycle(f, exact, beam);
     double *u = path->final_state;
     settle(exact, law, u);
-    haft_energy rest = haft_model_evaluate(exact, law, u, 0, NULL, NULL, NULL);
+    haft_energy rest = evaluate(exact, law, u, 0, NULL, NULL, NULL);
     for (int i = 0; i < BRANCH; i++) {
         haft_model *model = make_model(f, branch_lengths[i]);
         double *v = carry_over(model, exact, u);
         settle(model, law, v);
-        haft_energy here = haft_model_evaluate(model, law, v, 0, NULL, NULL, NULL);
+        haft_energy here = evaluate(model, law, v, 0, NULL, NULL, NULL);
         double strain = here.strain - rest.strain;
         out[i].strain = strain / rest.strain;
         out[i].total = (strain + (here.contact - rest.contact)) / rest.strain;

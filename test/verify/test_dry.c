@@ -135,6 +135,19 @@ static void forces_follow_the_humidity(void **state) {
             check_relative(spec.vdw.energy, k == 0 ? 167.1e-3 : 87.4e-3, 0.006);
         }
     }
+    /* One of the two by itself: the other is not computed, and water lies between all the same. */
+    static const haft_forces alone[] = {HAFT_FORCES_CAPILLARY, HAFT_FORCES_VDW};
+    for (int k = 0; k < 2; k++) {
+        haft_contact_spec spec;
+        haft_error error = {0};
+        c->contact.forces = alone[k];
+        c->contact.capillary.humidity = 0.3;
+        check_ok(haft_study_contact_spec(&spec, c, &error), error);
+        assert_true(spec.has_capillary == (k == 0) && spec.has_vdw == (k == 1));
+        if (k == 1) {
+            check_relative(spec.vdw.energy, 87.4e-3, 0.006);
+        }
+    }
     haft_case_destroy(&c);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whole load cycles of beams over random laws: the ledger, the certificates checked by an
  * independent dense factorization, equilibrium, independence of the step, and Griffith's limit. */
-#include "check.h"
+#include "evaluate.h"
 #include "haft/solve.h"
 
 #include <gsl/gsl_errno.h>
@@ -52,7 +52,7 @@ static bool is_definite(const scene *s, const double *u, double load, double *de
     double *g = haft_memory_alloc(n, sizeof *g, NULL);
     double *h = haft_memory_alloc(s->model->nonzeros, sizeof *h, NULL);
     double force = 0;
-    haft_model_evaluate(s->model, s->law, u, load, g, h, &force);
+    evaluate(s->model, s->law, u, load, g, h, &force);
     gsl_matrix *dense = gsl_matrix_calloc(n, n);
     *defect = 0;
     for (size_t j = 0; j < n; j++) {

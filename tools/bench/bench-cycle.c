@@ -138,18 +138,21 @@ static klu_time time_klu(const haft_model *m, int rounds, haft_error *error) {
 static double time_laws(const haft_model *m, const haft_law *laws, const haft_path *path,
                         int rounds, haft_error *error) {
     enum { RUNS = 200 };
-    double *d = haft_memory_alloc(4 * m->sites, sizeof *d, error), round[ROUND_LIMIT];
+    size_t sites = m->sites - m->inert, room = haft_law_lanes(m->sites);
+    double *d = haft_memory_alloc(5 * room, sizeof *d, error), round[ROUND_LIMIT];
+    haft_law_rows *rows = NULL;
     must(d == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    must(haft_law_rows_create(&rows, sites, laws + m->inert, error), error);
     haft_model_gaps(m, path->final_state, d);
-    double *force = d + m->sites, *slope = force + m->sites, *potential = slope + m->sites;
+    haft_law_values out = {d + room, d + 2 * room, d + 3 * room, d + 4 * room};
     for (int r = 0; r < rounds; r++) {
         double start = now();
         for (int k = 0; k < RUNS; k++) {
-            haft_law_evaluate_many(laws + m->inert, m->sites - m->inert, d + m->inert, force, slope,
-                                   potential);
+            haft_law_rows_evaluate(rows, 0, sites, d + m->inert, &out);
         }
         round[r] = (now() - start) / RUNS;
     }
+    haft_law_rows_destroy(&rows);
     haft_memory_free(d);
     return median(round, rounds);
 }

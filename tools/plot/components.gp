@@ -17,7 +17,6 @@ pair_b(p) = n == 2 ? 2 : n == 3 ? (p == 0 ? 2 : 3) : (p < 3 ? p + 2 : p < 5 ? p 
 shown = pairs > 3 ? 3 : pairs
 rows = n > 3 ? 3 : n
 
-
 # The grid of a pair, column c of joint.csv in the third place, as gnuplot wants grids.
 grid(p, c) = sprintf("<awk -F, 'NR == 1 { print \"a,b,p\" } $1 == %d { if (seen++ && $2 != x) print \"\"; x = $2; print $2 \",\" $3 \",\" $%d }' joint.csv", p, c)
 unset key
@@ -32,8 +31,8 @@ do for [kind in "png svg"] {
         set lmargin at screen 0.085
         set rmargin at screen 0.48
         set tmargin at screen 1 - 0.06 - (j - 1)*tall - 0.01
-        set bmargin at screen 1 - 0.06 - j*tall + 70.0/(430*rows + 160)
-        set xlabel sprintf("component {/Symbol h}_%d (standard deviations)", j) enhanced
+        set bmargin at screen 1 - 0.06 - j*tall + 82.0/(430*rows + 160)
+        set xlabel sprintf("component η_%d (standard deviations)", j) enhanced
         set xrange [*:*]
         if (j == rows) { set key at screen 0.28, 0.42*foot center Left reverse noenhanced maxrows 3 width 1 samplen 2 }
         plot "components.csv" using ($1 == j ? $2 : NaN):3 with points pt 7 ps 0.55*dot lc rgb pale title "vectors, counted", \
@@ -64,9 +63,9 @@ do for [kind in "png svg"] {
         set lmargin at screen 0.565
         set rmargin at screen 0.985
         set tmargin at screen 1 - 0.06 - p*tall - 0.01
-        set bmargin at screen 1 - 0.06 - (p + 1)*tall + 70.0/(430*rows + 160)
-        set xlabel sprintf("component {/Symbol h}_%d (standard deviations)", pair_a(p)) enhanced
-        set ylabel sprintf("component {/Symbol h}_%d (standard deviations)", pair_b(p)) enhanced
+        set bmargin at screen 1 - 0.06 - (p + 1)*tall + 82.0/(430*rows + 160)
+        set xlabel sprintf("component η_%d (standard deviations)", pair_a(p)) enhanced
+        set ylabel sprintf("η_%d (standard deviations)", pair_b(p)) enhanced
         set xrange [A_min - 0.5:A_max + 0.5]
         set yrange [B_min - 0.5:B_max + 0.5]
         set datafile separator whitespace

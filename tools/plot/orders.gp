@@ -35,7 +35,7 @@ do for [kind in "png svg"] {
     set lmargin at screen 0.385
     set rmargin at screen 0.645
     set title "(b) map to the first component"
-    set xlabel "{/Symbol x}_1 (1)" enhanced
+    set xlabel "ξ_1 (1)" enhanced
     set ylabel "component (standard deviations)" offset 1, 0
     set xrange [0:1]
     set yrange [*:*]
@@ -46,8 +46,8 @@ do for [kind in "png svg"] {
     if (C_max > 0) {
         set lmargin at screen 0.72
         set rmargin at screen 0.98
-        set title "(c) map to the second, at {/Symbol x}_1 = 0.1, 0.5, 0.9" enhanced
-        set xlabel "{/Symbol x}_2 (1)" enhanced
+        set title "(c) map to the second, at ξ_1 = 0.1, 0.5, 0.9" enhanced
+        set xlabel "ξ_2 (1)" enhanced
         set yrange [*:*]
         plot for [c=1:3] "map.csv" using ($1 == c ? $2 : NaN):3 with lines lw 4 lc rgb shade_colour notitle, \
              for [c=1:3] for [k=1:orders] "map.csv" using ($1 == c ? $2 : NaN):(column(3+k)) with lines lw 1.4 lc rgb colour(k) notitle

@@ -21,8 +21,8 @@ do for [kind in "png svg"] {
     eval(set_line_palette)
     unset colorbox
     set cbrange [0:1]
-    set title "kernel density of component {/Symbol h}_1 by the first m vectors" enhanced
-    set xlabel "component {/Symbol h}_1 (standard deviations)" enhanced
+    set title "kernel density of component η_1 by the first m vectors" enhanced
+    set xlabel "component η_1 (standard deviations)" enhanced
     set ylabel "density (1)" offset 1, 0
     set xrange [*:*]
     set yrange [0:*]

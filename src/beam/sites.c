@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sites in vector code. Where several share an element, they share its four unknowns: their
+ * displacements are computed together, and what they give is summed before it is scattered once. On
+ * a mesh with a node at each, a site is one unknown and one entry. */
+#include "sites.h"
+
+#include <string.h>
+
+enum { LANES = HAFT_LAW_LANES, ENTRIES = HAFT_SPAN * HAFT_SPAN };
+
+static bool same_unknowns(const haft_site *a, const haft_site *b) {
+    return memcmp(a->dof, b->dof, sizeof a->dof) == 0;
+}
+
+/* Whether site r goes on the run that ends before it. */
+static bool continues(const haft_model *model, const haft_run *run, size_t r) {
+    const haft_site *site = &model->site[r];
+    return run->shared ? same_unknowns(&model->site[run->first], site) : site->terms == 1;
+}
+
+static void find_runs(haft_layout *layout, const haft_model *model) {
+    for (size_t r = model->inert; r < model->sites; r++) {
+        if ((r - model->inert) % HAFT_STRETCH == 0) {
+            layout->stretch[layout->stretches++] = (haft_stretch){r, 0, layout->runs, 0};
+        }
+        haft_stretch *s = &layout->stretch[layout->stretches - 1];
+        if (s->runs == 0 || !continues(model, &layout->run[layout->runs - 1], r)) {
+            const haft_site *site = &model->site[r];
+            bool whole = site->terms == HAFT_SPAN;
+            for (int k = 1; k < HAFT_SPAN; k++) {
+                whole = whole && site->dof[k] == site->dof[0] + k;
+            }
+            layout->run[layout->runs++] = (haft_run){r, 0, site->terms != 1, whole};
+            s->runs++;
+        }
+        layout->run[layout->runs - 1].sites++;
+        s->sites++;
+    }
+}
+
+static void fill(haft_layout *layout, const haft_model *model) {
+    for (size_t r = 0; r < model->sites; r++) {
+        const double *shape = model->site[r].shape;
+        double *share = layout->share + r * HAFT_SHARES;
+        layout->area[r] = model->site[r].area;
+        layout->dof[r] = model->site[r].dof[0];
+        layout->slot[r] = r < model->inert ? -1 : model->site_slot[r * ENTRIES];
+        for (size_t i = 0; i < HAFT_SPAN; i++) {
+            layout->shape[i * layout->stride + r] = shape[i];
+            share[i] = shape[i];
+            for (size_t j = 0; j < HAFT_SPAN; j++) {
+                share[(1 + j) * HAFT_SPAN + i] = shape[i] * shape[j];
+            }
+        }
+    }
+}
+
+haft_status haft_layout_create(haft_layout **out, const haft_model *model, haft_error *error) {
+    *out = NULL;
+    haft_layout *layout = haft_memory_alloc(1, sizeof *layout, error);
+    if (layout == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    size_t sites = model->sites;
+    layout->stride = haft_law_lanes(sites);
+    layout->stretch = haft_memory_alloc(sites / HAFT_STRETCH + 1, sizeof *layout->stretch, error);
+    layout->run = haft_memory_alloc(sites, sizeof *layout->run, error);
+    layout->shape = haft_memory_alloc(HAFT_SPAN * layout->stride, sizeof(double), error);
+    layout->area = haft_memory_alloc(layout->stride, sizeof(double), error);
+    layout->share = haft_memory_alloc(HAFT_SHARES * sites, sizeof(double), error);
+    layout->dof = haft_memory_alloc(sites, sizeof *layout->dof, error);
+    layout->slot = haft_memory_alloc(sites, sizeof *layout->slot, error);
+    if (!layout->stretch || !layout->run || !layout->shape || !layout->area || !layout->share ||
+        !layout->dof || !layout->slot) {
+        haft_layout_destroy(&layout);
+        return HAFT_ERROR_MEMORY;
+    }
+    find_runs(layout, model);
+    fill(layout, model);
+    *out = layout;
+    return HAFT_OK;
+}
+
+void haft_layout_destroy(haft_layout **layout) {
+    if (layout == NULL || *layout == NULL) {
+        return;
+    }
+    haft_memory_free((*layout)->stretch);
+    haft_memory_free((*layout)->run);
+    haft_memory_free((*layout)->shape);
+    haft_memory_free((*layout)->area);
+    haft_memory_free((*layout)->share);
+    haft_memory_free((*layout)->dof);
+    haft_memory_free((*layout)->slot);
+    haft_memory_free(*layout);
+    *layout = NULL;
+}
+
+/* w of a run's sites, in whole lanes: what runs over its end is the next run's to write. */
+static inline void shared_displacements(const haft_layout *layout, const haft_run *run,
+                                        const double v[HAFT_SPAN], double *restrict w) {
+    for (size_t i = 0; i < run->sites; i += LANES) {
+        const double *shape = layout->shape + run->first + i;
+        for (size_t k = 0; k < LANES; k++) {
+            w[i + k] = ((v[0] * shape[k] + v[1] * shape[layout->stride + k]) +
+                        v[2] * shape[2 * layout->stride + k]) +
+                       v[3] * shape[3 * layout->stride + k];
+        }
+    }
+}
+
+HAFT_CLONES static void displace(const haft_model *model, const haft_stretch *s, const double *u,
+                                 double *w) {
+    const haft_layout *layout = model->layout;
+    for (size_t n = 0; n < s->runs; n++) {
+        const haft_run *run = &layout->run[s->first_run + n];
+        double *to = w + (run->first - s->first);
+        const int *dof = layout->dof + run->first;
+        if (run->whole) {
+            shared_displacements(layout, run, u + dof[0], to);
+        } else if (run->shared) {
+            const haft_site *site = &model->site[run->first];
+            double v[HAFT_SPAN] = {0};
+            for (int k = 0; k < site->terms; k++) {
+                v[k] = u[site->dof[k]];
+            }
+            shared_displacements(layout, run, v, to);
+        } else {
+            const double *shape = layout->shape + run->first;
+            for (size_t i = 0; i < run->sites; i++) {
+                to[i] = shape[i] * u[dof[i]];
+            }
+        }
+    }
+}
+
+void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
+                                double *w) {
+    displace(model, s, v, w);
+    memset(w + s->sites, 0, LANES * sizeof *w);
+}
+
+static void scatter_nodes(const haft_layout *layout, const haft_run *run, const double *force,
+                          const double *stiffness, double *gradient, double *hessian) {
+    const double *shape = layout->shape + run->first;
+    const int *dof = layout->dof + run->first, *slot = layout->slot + run->first;
+    for (size_t i = 0; i < run->sites && gradient != NULL; i++) {
+        gradient[dof[i]] += force[i] * shape[i];
+    }
+    for (size_t i = 0; i < run->sites && hessian != NULL; i++) {
+        hessian[slot[i]] += stiffness[i] * (shape[i] * shape[i]);
+    }
+}
+
+/* A column of shares. */
+typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* to[4] += q, by halves: neighbouring elements share two unknowns, and a processor reads back at
+ * once what it has just written only if that was written in one piece. */
+static inline void add_quad(double *to, const quad *q) {
+    const pair *half = (const pair *)q;
+    *(pair *)to += half[0];
+    *(pair *)(to + 2) += half[1];
+}
+
+/* Forces and columns of stiffness that a run of sites gives its four unknowns. */
+HAFT_CLONES static void sum_shares(const double *share, size_t sites, const double *force,
+                                   const double *stiffness, quad sum[HAFT_COLUMNS]) {
+    quad s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}, s4 = {0};
+    const quad *part = (const quad *)share;
+    for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
+        s0 += force[i] * part[0];
+        s1 += stiffness[i] * part[1];
+        s2 += stiffness[i] * part[2];
+        s3 += stiffness[i] * part[3];
+        s4 += stiffness[i] * part[4];
+    }
+    sum[0] = s0, sum[1] = s1, sum[2] = s2, sum[3] = s3, sum[4] = s4;
+}
+
+static void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
+                          const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
+    if (gradient != NULL) {
+        add_quad(gradient + layout->dof[r], &sum[0]);
+    }
+    for (int j = 0; j < HAFT_SPAN && hessian != NULL; j++) {
+        add_quad(hessian + slot[j], &sum[1 + j]); /* from row 0 of column j on */
+    }
+}
+
+static void scatter_part(const haft_site *site, const int *slot, const quad sum[HAFT_COLUMNS],
+                         double *gradient, double *hessian) {
+    for (int i = 0; i < site->terms; i++) {
+        if (gradient != NULL) {
+            gradient[site->dof[i]] += sum[0][i];
+        }
+        for (int j = 0; j < site->terms && hessian != NULL; j++) {
+            hessian[slot[i * HAFT_SPAN + j]] += sum[1 + j][i];
+        }
+    }
+}
+
+static bool any(const double *force, const double *stiffness, size_t n) {
+    for (size_t i = 0; i < n; i++) {
+        if (force[i] != 0 || stiffness[i] != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const double *force,
+                           const double *stiffness, double *gradient, double *hessian) {
+    const haft_layout *layout = model->layout;
+    for (size_t n = 0; n < s->runs; n++) {
+        const haft_run *run = &layout->run[s->first_run + n];
+        const double *f = force + (run->first - s->first), *k = stiffness + (run->first - s->first);
+        if (!run->shared) {
+            scatter_nodes(layout, run, f, k, gradient, hessian);
+        } else if (any(f, k, run->sites)) {
+            quad sum[HAFT_COLUMNS];
+            const int *slot = model->site_slot + run->first * ENTRIES;
+            sum_shares(layout->share + run->first * HAFT_SHARES, run->sites, f, k, sum);
+            if (run->whole) {
+                scatter_whole(layout, slot, run->first, sum, gradient, hessian);
+            } else {
+                scatter_part(&model->site[run->first], slot, sum, gradient, hessian);
+            }
+        }
+    }
+}
+
+void haft_model_displacements(const haft_model *model, const double *v, double *w) {
+    for (size_t n = 0; n < model->layout->stretches; n++) {
+        const haft_stretch *s = &model->layout->stretch[n];
+        haft_stretch_displacements(model, s, v, w + s->first);
+    }
+}
+
+void haft_model_add_forces(const haft_model *model, const double *force, double *y) {
+    for (size_t n = 0; n < model->layout->stretches; n++) {
+        const haft_stretch *s = &model->layout->stretch[n];
+        haft_stretch_assemble(model, s, force + s->first, force + s->first, y, NULL);
+    }
+}

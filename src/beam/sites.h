@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The sites of a model laid out for vector code, private to the room. */
+#ifndef HAFT_BEAM_SITES_H
+#define HAFT_BEAM_SITES_H
+
+#include "haft/beam.h"
+
+/* Sites whose laws are evaluated together, and the room that arrays of them need: work is done in
+ * whole lanes, which may run over a stretch's end. */
+enum { HAFT_STRETCH = 64, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
+
+/* A stretch of sites, and which runs lie in it. */
+typedef struct haft_stretch {
+    size_t first, sites, first_run, runs;
+} haft_stretch;
+
+/* Neighbouring sites of a stretch that share their unknowns, or that have one unknown each. */
+typedef struct haft_run {
+    size_t first, sites;
+    bool shared;
+    bool whole; /* four unknowns in a row, so that each one's entries lie side by side */
+} haft_run;
+
+/* Columns of what a site gives its unknowns: its shape functions, and each one's products with all
+ * of them, as they go into the gradient and the columns of the Hessian. */
+enum { HAFT_COLUMNS = 1 + HAFT_SPAN, HAFT_SHARES = HAFT_COLUMNS * HAFT_SPAN };
+
+struct haft_layout {
+    size_t stretches, runs, stride;
+    haft_stretch *stretch;
+    haft_run *run;
+    double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
+    double *area;    /* stride: [m^2], nil from the last site on */
+    double *share;   /* HAFT_SHARES a site */
+    int *dof, *slot; /* of each site: its first unknown, and that one's place on the diagonal */
+};
+
+haft_status haft_layout_create(haft_layout **out, const haft_model *model, haft_error *error);
+void haft_layout_destroy(haft_layout **layout);
+
+/* Displacements w[HAFT_STRETCH_ROOM] of a stretch's sites under v; lanes beyond hold numbers of no
+ * meaning, but finite where v is. */
+void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
+                                double *w);
+
+/* Forces [1/m] along, and stiffnesses [1/m^2] against, the displacements of a stretch's sites, in
+ * units of energy, into the sums; either sum may be NULL. */
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const double *force,
+                           const double *stiffness, double *gradient, double *hessian);
+
+#endif

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Laws laid out for evaluation: each of their numbers in a row of its own, padded so that the
+ * innermost loop of the solver works on whole vectors. Table laws are evaluated one by one after
+ * it. */
+#include "law/table.h"
+#include "law/wings.h"
+
+#include <string.h>
+
+enum { LANES = HAFT_LAW_LANES, COLUMNS = 10 };
+
+struct haft_law_rows {
+    size_t laws, stride;
+    double *value;                /* COLUMNS rows of the wings' numbers, stride each */
+    size_t tables;                /* how many there are */
+    const haft_law_table **table; /* laws: NULL where not one */
+};
+
+static void put(haft_law_rows *rows, size_t i, haft_wings w) {
+    const double number[COLUMNS] = {w.f_max,      w.d_max,         w.a_left,        w.a_right,
+                                    w.half_left,  w.length_right,  w.wall_distance, w.wall_force,
+                                    w.wall_slope, w.wall_potential};
+    for (size_t k = 0; k < COLUMNS; k++) {
+        rows->value[k * rows->stride + i] = number[k];
+    }
+}
+
+haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *laws,
+                                 haft_error *error) {
+    *out = NULL;
+    haft_law_rows *rows = haft_memory_alloc(1, sizeof *rows, error);
+    if (rows == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    rows->laws = n;
+    rows->stride = haft_law_lanes(n);
+    rows->value = haft_memory_alloc(COLUMNS * rows->stride, sizeof *rows->value, error);
+    rows->table = haft_memory_alloc(n, sizeof *rows->table, error);
+    if (!rows->value || !rows->table) {
+        haft_law_rows_destroy(&rows);
+        return HAFT_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < rows->stride; i++) {
+        bool is_table = i < n && laws[i].kind == HAFT_LAW_TABLE;
+        put(rows, i, i < n && !is_table ? haft_law_wings(&laws[i]) : (haft_wings){0});
+        if (is_table) {
+            rows->table[i] = laws[i].table;
+            rows->tables++;
+        }
+    }
+    *out = rows;
+    return HAFT_OK;
+}
+
+void haft_law_rows_destroy(haft_law_rows **rows) {
+    if (rows == NULL || *rows == NULL) {
+        return;
+    }
+    haft_memory_free((*rows)->value);
+    haft_memory_free((*rows)->table);
+    haft_memory_free(*rows);
+    *rows = NULL;
+}
+
+/* Whether none of LANES laws is anything: a free span. */
+static inline bool all_nil(const double *v, size_t stride, const double *d) {
+    bool nil = true;
+    for (size_t i = 0; i < LANES; i++) {
+        nil &= (v[3 * stride + i] * (d[i] - v[stride + i]) > HAFT_LAW_NIL) &
+               (d[i] >= v[6 * stride + i]);
+    }
+    return nil;
+}
+
+/* LANES laws, the first's numbers at v. */
+static inline void evaluate_lanes(const double *v, size_t stride, const double *d,
+                                  double *restrict force, double *restrict slope,
+                                  double *restrict curvature, double *restrict potential) {
+    for (size_t i = 0; i < LANES; i++) {
+        haft_wings w = {v[i],
+                        v[stride + i],
+                        v[2 * stride + i],
+                        v[3 * stride + i],
+                        v[4 * stride + i],
+                        v[5 * stride + i],
+                        v[6 * stride + i],
+                        v[7 * stride + i],
+                        v[8 * stride + i],
+                        v[9 * stride + i]};
+        haft_law_value x = haft_law_wings_evaluate(w, d[i]);
+        force[i] = x.force;
+        slope[i] = x.slope;
+        curvature[i] = x.curvature;
+        potential[i] = x.potential;
+    }
+}
+
+HAFT_CLONES static void evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
+                                       const double *d, const haft_law_values *out) {
+    for (size_t i = 0; i < n; i += LANES) {
+        const double *v = rows->value + first + i;
+        if (all_nil(v, rows->stride, d + i)) {
+            memset(out->force + i, 0, LANES * sizeof(double));
+            memset(out->slope + i, 0, LANES * sizeof(double));
+            memset(out->curvature + i, 0, LANES * sizeof(double));
+            memset(out->potential + i, 0, LANES * sizeof(double));
+            continue;
+        }
+        evaluate_lanes(v, rows->stride, d + i, out->force + i, out->slope + i, out->curvature + i,
+                       out->potential + i);
+    }
+}
+
+void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                            const haft_law_values *out) {
+    evaluate_wings(rows, first, n, d, out);
+    for (size_t i = 0; i < n && rows->tables > 0; i++) {
+        if (rows->table[first + i] != NULL) {
+            haft_law_value x = haft_law_table_evaluate(rows->table[first + i], d[i]);
+            out->force[i] = x.force;
+            out->slope[i] = x.slope;
+            out->curvature[i] = x.curvature;
+            out->potential[i] = x.potential;
+        }
+    }
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The Morse law written out without a branch, so that a loop over sites becomes vector code: one
+ * exponential, both wings and the wall, and what holds is chosen at the end. */
+#ifndef HAFT_LAW_WINGS_H
+#define HAFT_LAW_WINGS_H
+
+#include "haft/law.h"
+#include "law/exponential.h"
+
+/* Decay lengths beyond which a law is nothing: e^-100 is lost beside any other force. */
+#define HAFT_LAW_NIL 100.0
+
+/* A Morse law's numbers as its evaluation takes them. */
+typedef struct haft_wings {
+    double f_max, d_max, a_left, a_right;
+    double half_left, length_right; /* 1/(2 a_left) and 1/a_right [m] */
+    double wall_distance, wall_force, wall_slope, wall_potential;
+} haft_wings;
+
+static inline haft_wings haft_law_wings(const haft_law *law) {
+    return (haft_wings){law->f_max,
+                        law->d_max,
+                        law->a_left,
+                        law->a_right,
+                        1 / (2 * law->a_left),
+                        1 / law->a_right,
+                        law->wall_distance,
+                        law->wall_force,
+                        law->wall_slope,
+                        law->wall_potential};
+}
+
+/* With E = exp(-a (d - d_max)) the right wing's potential is f_max E (E/2 - 2) / a; the left one's
+ * above that of the bottom f_max (E - 1) (E - 3) / (2 a), the bottom's -1.5 f_max / a_right. */
+static inline haft_law_value haft_law_wings_evaluate(haft_wings w, double d) {
+    double y = d - w.d_max, t = d - w.wall_distance;
+    double a = y >= 0 ? w.a_right : w.a_left;
+    double x = -a * y;
+    x = x < -HAFT_LAW_NIL ? -HAFT_LAW_NIL : x;
+    x = x > 700 ? 700 : x;
+    double E = haft_law_exponential(x), F = w.f_max;
+    double left = (E - 1) * (E - 3) * w.half_left - 1.5 * w.length_right;
+    double right = E * (0.5 * E - 2) * w.length_right;
+    double force = F * E * (E - 2), slope = -2 * a * F * E * (E - 1);
+    double curvature = 2 * a * a * F * E * (2 * E - 1);
+    double potential = F * (y >= 0 ? right : left);
+    double wall_force = w.wall_force + w.wall_slope * t;
+    double wall_potential = w.wall_potential - t * (w.wall_force + 0.5 * w.wall_slope * t);
+    bool nil = w.a_right * y > HAFT_LAW_NIL;
+    return (haft_law_value){
+        .force = t < 0 ? wall_force
+                 : nil ? 0
+                       : force,
+        .slope = t < 0 ? w.wall_slope
+                 : nil ? 0
+                       : slope,
+        .curvature = t < 0 || nil ? 0 : curvature,
+        .potential = t < 0 ? wall_potential
+                     : nil ? 0
+                           : potential,
+    };
+}
+
+#endif

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Shards know nothing of each other, so what lacks is seen only where they are joined. */
+#include "shards.h"
+
+#include <stdio.h>
+
+enum { NAMED = 12 }; /* shards in a list, and then no more */
+
+void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_run_files *files) {
+    if (shard.count == 0) {
+        snprintf(way, HAFT_WAY_CAPACITY, "haft resume");
+    } else {
+        snprintf(way, HAFT_WAY_CAPACITY, "haft run %.300s --shard=%zu/%zu", files->folder,
+                 shard.index, shard.count);
+    }
+}
+
+/* How many of a shard's realizations are not there. */
+static size_t count_lacking(const haft_desk *desk, haft_shard shard) {
+    size_t lacking = 0;
+    for (size_t k = 0; k < desk->end; k++) {
+        lacking += haft_shard_has(shard, k) && !desk->done[k];
+    }
+    return lacking;
+}
+
+/* "2", "2, 5 and 7", "1, 2, 3 and 17 more"; @return how many shards lack anything. */
+static size_t list_lacking(char *text, size_t capacity, const haft_desk *desk, size_t count) {
+    size_t lacking = 0, total = 0, length = 0;
+    for (size_t i = 1; i <= count; i++) {
+        total += count_lacking(desk, (haft_shard){i, count}) > 0;
+    }
+    for (size_t i = 1; i <= count && lacking < total && length < capacity; i++) {
+        if (count_lacking(desk, (haft_shard){i, count}) == 0) {
+            continue;
+        }
+        bool rest = lacking + 1 == NAMED && total > NAMED;
+        const char *before = lacking == 0 ? "" : lacking + 1 == total || rest ? " and " : ", ";
+        length += (size_t)snprintf(text + length, capacity - length, rest ? "%s%zu more" : "%s%zu",
+                                   before, rest ? total - lacking : i);
+        lacking = rest ? total : lacking + 1;
+    }
+    return total;
+}
+
+haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
+                              const haft_run_files *files, haft_error *error) {
+    size_t count = haft_parts_split(parts);
+    char list[200] = "", who[260];
+    if (desk->count == desk->end) {
+        return HAFT_OK;
+    }
+    if (count == 0) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "%s: %zu of %zu realizations are there; do the others by `haft resume "
+            "%s`",
+            files->parts, desk->count, desk->end, files->folder);
+    }
+    size_t lacking = list_lacking(list, sizeof list, desk, count);
+    snprintf(who, sizeof who, lacking == 1 ? "shard %s lacks the" : "shards %s lack the", list);
+    return haft_error_set(error, HAFT_ERROR_INPUT,
+                          "%s: %zu of %zu realizations are there; %s others: do %s by `haft run %s "
+                          "--shard=%s/%zu`, or all that lacks by `haft resume %s`",
+                          files->parts, desk->count, desk->end, who,
+                          lacking == 1 ? "it" : "each of them", files->folder,
+                          lacking == 1 ? list : "I", count, files->folder);
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is said of the shards of a run. Private to this room. */
+#ifndef HAFT_STUDY_SHARDS_H
+#define HAFT_STUDY_SHARDS_H
+
+#include "desk.h"
+
+enum { HAFT_WAY_CAPACITY = 400 };
+
+/* The command that goes on with a run that was stopped. */
+void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_run_files *files);
+
+/* Refuses to go on where the parts lack realizations: says whose they are, and what does them. */
+haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
+                              const haft_run_files *files, haft_error *error) HAFT_MUST_CHECK;
+
+#endif
