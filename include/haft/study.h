@@ -28,7 +28,7 @@ haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c,
 
 /** Thickness of the water film adsorbed on each face at the case's humidity [m], 0 if it wants
  * none. Menisci then reach from film to film: the capillary range is that of Kelvin's law and both
- * films, as in DelRio, Dunn and de Boer (2008). */
+ * films. A choice of Haft's: the film's own pressure on Kelvin's law is left out. */
 double haft_study_film(const haft_case *c);
 
 /** The plan of a case's surfaces.

@@ -47,9 +47,9 @@ haft_status haft_capillary_from_spec(haft_capillary *out, const haft_capillary_s
 }
 
 haft_adsorption haft_adsorption_silica(void) {
-    static const double humidity[] = {0.30, 0.60, 0.99};
-    static const double thickness[] = {3 * 0.282e-9, 4 * 0.282e-9, 10 * 0.282e-9};
-    return (haft_adsorption){3, humidity, thickness};
+    static const double humidity[] = {0.30, 0.60, 0.75, 0.90};
+    static const double thickness[] = {3 * 0.282e-9, 4 * 0.282e-9, 4.5 * 0.282e-9, 6.5 * 0.282e-9};
+    return (haft_adsorption){4, humidity, thickness};
 }
 
 haft_status haft_adsorption_check(const haft_adsorption *film, haft_error *error) {

@@ -26,8 +26,14 @@ bool haft_map_length(double number, const char *unit, double *value);
  */
 const char *haft_map_quote(char quoted[48], const char *text, size_t n);
 
-/* Makes the map of a matrix whose file says width, height or unit by a positive number and leaves
- * them to the options by 0; complains of what neither has. Heights in `unit`s are scaled. */
+/* Makes a map for a matrix whose file says width, height or unit by a positive number and leaves
+ * them to the options by 0; complains of what neither has. The reader then writes heights in
+ * `unit`s into it, and haft_map_end() scales them, or destroys the map if one is infinite. */
+haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t rows, size_t columns,
+                           double width, double height, double *unit, haft_error *error);
+haft_status haft_map_end(haft_map **out, const haft_map_file *file, double unit, haft_error *error);
+
+/* Both, of heights that are there. */
 haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
                                  size_t columns, double width, double height, double unit,
                                  const double *z, haft_error *error);

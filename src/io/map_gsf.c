@@ -130,15 +130,13 @@ haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_er
                               file->path, file->size, rows, columns, needed,
                               file->size < needed ? "cut short" : "damaged");
     }
-    double *z = haft_memory_alloc(rows * columns, sizeof *z, error);
-    if (z == NULL) {
-        return HAFT_ERROR_MEMORY;
+    status = haft_map_begin(out, file, rows, columns, h.width, h.height, &unit, error);
+    for (size_t i = 0; status == HAFT_OK && i < rows * columns; i++) {
+        (*out)->z[i] = read_single((const unsigned char *)file->bytes + start + 4 * i);
     }
-    for (size_t i = 0; i < rows * columns; i++) {
-        z[i] = read_single((const unsigned char *)file->bytes + start + 4 * i);
+    if (status == HAFT_OK) {
+        status = haft_map_end(out, file, unit, error);
     }
-    status = haft_map_from_matrix(out, file, rows, columns, h.width, h.height, unit, z, error);
-    haft_memory_free(z);
     if (status == HAFT_OK) {
         memcpy((*out)->channel, h.title, sizeof h.title);
         snprintf((*out)->format, sizeof(*out)->format, "Gwyddion Simple Field");

@@ -313,20 +313,16 @@ static haft_status read_channel(haft_map **out, const header *h, const list *l, 
     if (!(fabs(scale) > 0 && isfinite(scale))) {
         return refuse(h, "the channel has no z-scale in metres; choose one with heights", error);
     }
-    double *z = haft_memory_alloc(rows * columns, sizeof *z, error);
-    if (z == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < rows; i++) {
+    double unit = 1;
+    status = haft_map_begin(out, h->file, rows, columns, width, height, &unit, error);
+    for (size_t i = 0; status == HAFT_OK && i < rows; i++) {
         const unsigned char *line =
             (const unsigned char *)h->file->bytes + offset + (rows - 1 - i) * columns * stored;
         for (size_t j = 0; j < columns; j++) {
-            z[i * columns + j] = scale * raw_value(line + j * stored, stored);
+            (*out)->z[i * columns + j] = scale * raw_value(line + j * stored, stored);
         }
     }
-    status = haft_map_from_matrix(out, h->file, rows, columns, width, height, 1, z, error);
-    haft_memory_free(z);
-    return status;
+    return status == HAFT_OK ? haft_map_end(out, h->file, unit, error) : status;
 }
 
 /* Whether a channel is the one asked for; if none is, the first that can be metres. */

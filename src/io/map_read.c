@@ -97,20 +97,19 @@ void haft_map_name(char *destination, const char *text, size_t n) {
     destination[n] = '\0';
 }
 
-haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
-                                 size_t columns, double width, double height, double unit,
-                                 const double *z, haft_error *error) {
+haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t rows, size_t columns,
+                           double width, double height, double *unit, haft_error *error) {
     const haft_map_options *o = &file->options;
     width = width > 0 ? width : o->width;
     height = height > 0 ? height : o->height;
-    unit = unit > 0 ? unit : o->unit;
+    *unit = *unit > 0 ? *unit : o->unit;
     if (!(width > 0 && height > 0)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "%s: does not say how large the map is; give its size, width and "
                               "height",
                               file->path);
     }
-    if (!(unit > 0)) {
+    if (!(*unit > 0)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "%s: does not say the unit of its heights; give it, as nm",
                               file->path);
@@ -119,21 +118,37 @@ haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size
         haft_map_create(out, rows, columns, height / (double)rows, width / (double)columns, error);
     if (status != HAFT_OK) {
         haft_error_prefix(error, "%s: ", file->path);
-        return status;
     }
-    for (size_t i = 0; i < rows * columns; i++) {
-        (*out)->z[i] = unit * z[i];
-        if (isinf((*out)->z[i])) {
-            status =
+    return status;
+}
+
+haft_status haft_map_end(haft_map **out, const haft_map_file *file, double unit,
+                         haft_error *error) {
+    haft_map *map = *out;
+    for (size_t i = 0; i < map->rows * map->columns; i++) {
+        map->z[i] *= unit;
+        if (isinf(map->z[i])) {
+            haft_status status =
                 haft_error_set(error, HAFT_ERROR_INPUT,
                                "%s: the height in row %zu, column %zu is not finite; a missing "
                                "one is written nan",
-                               file->path, i / columns + 1, i % columns + 1);
+                               file->path, i / map->columns + 1, i % map->columns + 1);
             haft_map_destroy(out);
             return status;
         }
     }
     return HAFT_OK;
+}
+
+haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
+                                 size_t columns, double width, double height, double unit,
+                                 const double *z, haft_error *error) {
+    haft_status status = haft_map_begin(out, file, rows, columns, width, height, &unit, error);
+    if (status == HAFT_OK) {
+        memcpy((*out)->z, z, rows * columns * sizeof *z);
+        status = haft_map_end(out, file, unit, error);
+    }
+    return status;
 }
 
 /* ---- which kind ---- */

@@ -11,14 +11,8 @@
 
 enum { TERMS_MOST = 6 };
 
-static void fill_terms(double x, double y, double term[TERMS_MOST]) {
-    term[0] = 1;
-    term[1] = x;
-    term[2] = y;
-    term[3] = x * x;
-    term[4] = x * y;
-    term[5] = y * y;
-}
+/* Powers of x and y in the terms 1, x, y, x^2, xy, y^2. */
+static const int POWER_X[TERMS_MOST] = {0, 1, 0, 2, 1, 0}, POWER_Y[TERMS_MOST] = {0, 0, 1, 0, 1, 2};
 
 /* Solves the normal equations in place by Cholesky; false if the pixels do not tell the terms. */
 static bool solve(double *a, double *b, size_t terms) {
@@ -52,22 +46,40 @@ static double coordinate(size_t i, size_t n) {
     return (2.0 * (double)i - (double)(n - 1)) / (double)(n - 1);
 }
 
+/* Of a line's pixels that are there: sums of x^p, and of x^p z. */
+typedef struct line_sums {
+    double x[5], z[3];
+} line_sums;
+
+static line_sums sum_line(const double *z, const double *x, size_t n) {
+    line_sums s = {{0}, {0}};
+    for (size_t j = 0; j < n; j++) {
+        double present = isnan(z[j]) ? 0 : 1, value = isnan(z[j]) ? 0 : z[j];
+        double square = present * x[j] * x[j];
+        s.x[0] += present;
+        s.x[1] += present * x[j];
+        s.x[2] += square;
+        s.x[3] += square * x[j];
+        s.x[4] += square * x[j] * x[j];
+        s.z[0] += value;
+        s.z[1] += value * x[j];
+        s.z[2] += value * x[j] * x[j];
+    }
+    return s;
+}
+
 /* Takes the best combination of the first `terms` monomials off rows [first, end). */
-static haft_status take_off(haft_map *map, size_t first, size_t end, size_t terms,
+static haft_status take_off(haft_map *map, const double *x, size_t first, size_t end, size_t terms,
                             haft_error *error) {
-    double matrix[TERMS_MOST * TERMS_MOST] = {0}, right[TERMS_MOST] = {0}, term[TERMS_MOST];
+    double matrix[TERMS_MOST * TERMS_MOST] = {0}, right[TERMS_MOST] = {0};
     for (size_t i = first; i < end; i++) {
-        for (size_t j = 0; j < map->columns; j++) {
-            double z = map->z[i * map->columns + j];
-            if (isnan(z)) {
-                continue;
-            }
-            fill_terms(coordinate(j, map->columns), coordinate(i, map->rows), term);
-            for (size_t k = 0; k < terms; k++) {
-                right[k] += term[k] * z;
-                for (size_t l = 0; l <= k; l++) {
-                    matrix[k * TERMS_MOST + l] += term[k] * term[l];
-                }
+        line_sums s = sum_line(map->z + i * map->columns, x, map->columns);
+        double y = coordinate(i, map->rows), power[5] = {1, y, y * y, y * y * y, y * y * y * y};
+        for (size_t k = 0; k < terms; k++) {
+            right[k] += power[POWER_Y[k]] * s.z[POWER_X[k]];
+            for (size_t l = 0; l <= k; l++) {
+                matrix[k * TERMS_MOST + l] +=
+                    power[POWER_Y[k] + POWER_Y[l]] * s.x[POWER_X[k] + POWER_X[l]];
             }
         }
     }
@@ -78,11 +90,11 @@ static haft_status take_off(haft_map *map, size_t first, size_t end, size_t term
                               first, end - 1, terms);
     }
     for (size_t i = first; i < end; i++) {
+        double y = coordinate(i, map->rows);
+        double share[3] = {right[0] + right[2] * y + right[5] * y * y, right[1] + right[4] * y,
+                           right[3]};
         for (size_t j = 0; j < map->columns; j++) {
-            fill_terms(coordinate(j, map->columns), coordinate(i, map->rows), term);
-            for (size_t k = 0; k < terms; k++) {
-                map->z[i * map->columns + j] -= right[k] * term[k];
-            }
+            map->z[i * map->columns + j] -= share[0] + x[j] * (share[1] + x[j] * share[2]);
         }
     }
     return HAFT_OK;
@@ -90,10 +102,18 @@ static haft_status take_off(haft_map *map, size_t first, size_t end, size_t term
 
 haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) {
     static const size_t terms[] = {1, 3, 6, 3};
-    haft_status status = take_off(map, 0, map->rows, terms[level], error);
-    for (size_t i = 0; level == HAFT_LEVEL_LINES && status == HAFT_OK && i < map->rows; i++) {
-        status = take_off(map, i, i + 1, 2, error);
+    double *x = haft_memory_alloc(map->columns, sizeof *x, error);
+    if (x == NULL) {
+        return HAFT_ERROR_MEMORY;
     }
+    for (size_t j = 0; j < map->columns; j++) {
+        x[j] = coordinate(j, map->columns);
+    }
+    haft_status status = take_off(map, x, 0, map->rows, terms[level], error);
+    for (size_t i = 0; level == HAFT_LEVEL_LINES && status == HAFT_OK && i < map->rows; i++) {
+        status = take_off(map, x, i, i + 1, 2, error);
+    }
+    haft_memory_free(x);
     return status;
 }
 

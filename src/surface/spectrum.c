@@ -4,7 +4,6 @@
  * lines fall off as slowly as 1/k^2 along the axes, is not mended by it but by levelling. */
 #include "haft/surface_map.h"
 
-#include <complex.h>
 #include <fftw3.h>
 #include <math.h>
 #include <string.h>
@@ -35,9 +34,9 @@ typedef struct weights {
     double dependence; /* N sum w^4 / (sum w^2)^2 */
 } weights;
 
-/* w (z - mean_w) into `field`. */
-static haft_status weigh(double *field, weights *sums, const haft_map *map, haft_window window,
-                         haft_error *error) {
+/* w (z - mean_w) into `field`, whose lines are `stride` apart. */
+static haft_status weigh(double *field, size_t stride, weights *sums, const haft_map *map,
+                         haft_window window, haft_error *error) {
     size_t rows = map->rows, columns = map->columns;
     double *along = haft_memory_alloc(columns, sizeof *along, error);
     if (along == NULL) {
@@ -64,7 +63,7 @@ static haft_status weigh(double *field, weights *sums, const haft_map *map, haft
         double across = window_value(window, i, rows);
         for (size_t j = 0; j < columns; j++) {
             double z = map->z[i * columns + j];
-            field[i * columns + j] = isnan(z) ? 0 : across * along[j] * (z - mean);
+            field[i * stride + j] = isnan(z) ? 0 : across * along[j] * (z - mean);
         }
     }
     haft_memory_free(along);
@@ -73,20 +72,20 @@ static haft_status weigh(double *field, weights *sums, const haft_map *map, haft
                             : haft_error_set(error, HAFT_ERROR_INPUT, "the map has no pixel");
 }
 
-/* The half spectrum [rows][columns/2 + 1] of the windowed map, scaled. */
+/* The half spectrum [rows][columns/2 + 1] of the windowed map, scaled; transformed and squared in
+ * one place, since fetching memory takes as long as the transform. */
 static haft_status half_spectrum(double **out, weights *sums, const haft_map *map,
                                  haft_window window, haft_error *error) {
     size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
-    double *field = haft_memory_alloc(rows * columns, sizeof *field, error);
-    fftw_complex *line = haft_memory_alloc(rows * half, sizeof *line, error);
-    *out = haft_memory_alloc(rows * half, sizeof **out, error);
-    haft_status status = field && line && *out ? HAFT_OK : HAFT_ERROR_MEMORY;
+    double *field = haft_memory_alloc(rows * half, 2 * sizeof *field, error);
+    haft_status status = field != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
-        status = weigh(field, sums, map, window, error);
+        status = weigh(field, 2 * half, sums, map, window, error);
     }
     fftw_plan plan = NULL;
     if (status == HAFT_OK) {
-        plan = fftw_plan_dft_r2c_2d((int)rows, (int)columns, field, line, FFTW_ESTIMATE);
+        plan = fftw_plan_dft_r2c_2d((int)rows, (int)columns, field, (fftw_complex *)field,
+                                    FFTW_ESTIMATE);
         status = plan != NULL
                      ? HAFT_OK
                      : haft_error_set(error, HAFT_ERROR_LIBRARY,
@@ -97,15 +96,14 @@ static haft_status half_spectrum(double **out, weights *sums, const haft_map *ma
         fftw_destroy_plan(plan);
         double scale = map->step_row * map->step_column / (4 * M_PI * M_PI * sums->square);
         for (size_t i = 0; i < rows * half; i++) {
-            double re = creal(line[i]), im = cimag(line[i]);
-            (*out)[i] = scale * (re * re + im * im);
+            double re = field[2 * i], im = field[2 * i + 1];
+            field[i] = scale * (re * re + im * im);
         }
     } else {
-        haft_memory_free(*out);
-        *out = NULL;
+        haft_memory_free(field);
+        field = NULL;
     }
-    haft_memory_free(field);
-    haft_memory_free(line);
+    *out = field;
     return status;
 }
 
@@ -158,18 +156,17 @@ static haft_status create_rings(rings *r, double width, double most, haft_error 
     return HAFT_OK;
 }
 
-static void enter_mode(rings *r, double zeta, double s, double independent) {
-    size_t low = 0, high = r->n;
+/* Into the mode's ring, looked for from *ring on, where the one before it on its line went. */
+static void enter_mode(rings *r, size_t *ring, double zeta, double s, double independent) {
     if (zeta < r->edge[0] || zeta >= r->edge[r->n]) {
         return;
     }
-    while (high - low > 1) {
-        size_t middle = (low + high) / 2;
-        *(zeta >= r->edge[middle] ? &low : &high) = middle;
+    while (zeta >= r->edge[*ring + 1]) {
+        ++*ring;
     }
-    r->weight[low] += independent;
-    r->zeta[low] += independent * zeta;
-    r->s[low] += independent * s;
+    r->weight[*ring] += independent;
+    r->zeta[*ring] += independent * zeta;
+    r->s[*ring] += independent * s;
 }
 
 static haft_status enter_map(rings *r, const haft_map *map, haft_window window, haft_error *error) {
@@ -185,11 +182,12 @@ static haft_status enter_map(rings *r, const haft_map *map, haft_window window, 
     double most = M_PI / fmax(map->step_row, map->step_column) * (1 + 1e-12);
     for (size_t i = 0; i < rows; i++) {
         double ky = across * (double)(i <= rows / 2 ? i : rows - i);
+        size_t ring = 0;
         for (size_t j = 0; j < half; j++) {
-            double zeta = hypot(ky, along * (double)j);
+            double kx = along * (double)j, zeta = sqrt(kx * kx + ky * ky);
             bool twice = j > 0 && 2 * j < columns; /* its conjugate is not among the half */
             if (zeta > 0 && zeta <= most) {
-                enter_mode(r, zeta, s[i * half + j], (twice ? 1 : 0.5) / sums.dependence);
+                enter_mode(r, &ring, zeta, s[i * half + j], (twice ? 1 : 0.5) / sums.dependence);
             }
         }
     }

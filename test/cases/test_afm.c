@@ -16,39 +16,54 @@ static const double STEP = 10e-9;
 static const haft_psd PSD = {250e6, 19.4e6, 6.46e-33, 1.4e-38};
 static const double SKEWNESS = 0.4, KURTOSIS = 3.4;
 
-/* A surface of known PSD and marginal on a tilted sample. */
-static haft_map *make_map(uint64_t stream) {
+/* Surfaces of known PSD and marginal. */
+typedef struct maker {
+    size_t side; /* pixels */
+    haft_marginal *marginal;
+    haft_surface_plan *plan;
+    haft_surface_work *work;
+} maker;
+
+static maker open_maker(size_t side) {
+    maker m = {.side = side};
     haft_error error = {0};
-    haft_marginal *m = NULL;
-    haft_surface_plan *plan = NULL;
-    haft_surface_work *work = NULL;
-    haft_map *map = NULL;
-    check_ok(haft_marginal_johnson(&m, SKEWNESS, KURTOSIS, &error), error);
+    check_ok(haft_marginal_johnson(&m.marginal, SKEWNESS, KURTOSIS, &error), error);
     haft_surface_spec spec = {.psd = PSD,
-                              .marginal = m,
+                              .marginal = m.marginal,
                               .grid_step = STEP,
-                              .rows = SIDE,
-                              .columns = SIDE,
+                              .rows = side,
+                              .columns = side,
                               .key = {2017, HAFT_RANDOM_TEST}};
-    check_ok(haft_surface_plan_create(&plan, &spec, &error), error);
-    check_ok(haft_surface_work_create(&work, plan, &error), error);
-    check_ok(haft_map_create(&map, SIDE, SIDE, STEP, STEP, &error), error);
-    check_ok(haft_surface_prepare(work, 0, stream, 0, &error), error);
-    check_ok(haft_surface_rows(work, 0, SIDE, map->z, &error), error);
-    for (size_t i = 0; i < SIDE * SIDE; i++) {
-        map->z[i] += 0.002 * STEP * (double)(i % SIDE) - 0.001 * STEP * (double)(i / SIDE);
+    check_ok(haft_surface_plan_create(&m.plan, &spec, &error), error);
+    check_ok(haft_surface_work_create(&m.work, m.plan, &error), error);
+    return m;
+}
+
+static void close_maker(maker *m) {
+    haft_surface_work_destroy(&m->work);
+    haft_surface_plan_destroy(&m->plan);
+    haft_marginal_destroy(&m->marginal);
+}
+
+/* One of them, on a tilted sample. */
+static haft_map *make_map(const maker *m, uint64_t stream) {
+    haft_error error = {0};
+    haft_map *map = NULL;
+    check_ok(haft_map_create(&map, m->side, m->side, STEP, STEP, &error), error);
+    check_ok(haft_surface_prepare(m->work, 0, stream, 0, &error), error);
+    check_ok(haft_surface_rows(m->work, 0, m->side, map->z, &error), error);
+    for (size_t i = 0; i < m->side * m->side; i++) {
+        map->z[i] += 0.002 * STEP * (double)(i % m->side) - 0.001 * STEP * (double)(i / m->side);
     }
     snprintf(map->channel, sizeof map->channel, "Height");
-    haft_surface_work_destroy(&work);
-    haft_surface_plan_destroy(&plan);
-    haft_marginal_destroy(&m);
     return map;
 }
 
 static void the_shipped_map_is_the_generators(void **state) {
     (void)state;
     haft_error error = {0};
-    haft_map *made = make_map(0), *read = NULL;
+    maker m = open_maker(SIDE);
+    haft_map *made = make_map(&m, 0), *read = NULL;
     if (getenv("HAFT_WRITE_MAP") != NULL) {
         check_ok(haft_map_write(made, getenv("HAFT_WRITE_MAP"), &error), error);
     }
@@ -67,6 +82,7 @@ static void the_shipped_map_is_the_generators(void **state) {
     check_near(s.kurtosis, KURTOSIS, 0.6);
     haft_map_destroy(&made);
     haft_map_destroy(&read);
+    close_maker(&m);
 }
 
 /* ---- cases ---- */
@@ -107,7 +123,8 @@ static void cases_resolve_and_are_digested(void **state) {
     (void)state;
     scratch s = scratch_create();
     haft_error error = {0};
-    haft_map *map = make_map(0), *other = make_map(1);
+    maker m = open_maker(SIDE);
+    haft_map *map = make_map(&m, 0), *other = make_map(&m, 1);
     copy_map(&s, "a.gsf", map);
     copy_map(&s, "b.gsf", map);
     copy_map(&s, "c.gsf", other);
@@ -164,6 +181,7 @@ static void cases_resolve_and_are_digested(void **state) {
         "needs surface.maps");
     haft_map_destroy(&map);
     haft_map_destroy(&other);
+    close_maker(&m);
     scratch_remove(&s);
 }
 
@@ -206,35 +224,58 @@ static double ks_distance(double *a, size_t n, double *b, size_t m) {
     return most;
 }
 
+enum { MAPS = 16, MAP_SIDE = 512, PATCHES = 240 };
+
+/* Laws of square patches. */
 static haft_laws *build(const scratch *s, const char *surface) {
+    const double side = 1.2e-6;
     haft_error error = {0};
     haft_case *c = NULL;
     haft_laws *laws = NULL;
     check_ok(read_case_with(&c, s, surface, &error), error);
     c->realizations = 1;
-    c->beam.length = 150 * c->mesh.l_meso;
-    c->beam.width = 3e-6;
+    c->mesh.kind = HAFT_MESH_EXACT;
+    c->mesh.l_meso = c->beam.width = side;
+    c->beam.length = PATCHES * side;
+    c->contact.distance_from = 2e-9;
     check_ok(haft_study_build_laws(&laws, c, NULL, &error), error);
+    assert_int_equal(laws->m, PATCHES);
     haft_case_destroy(&c);
     return laws;
 }
 
-/* Twelve maps of one process: patches of their windows, patches generated from their PSD and
- * heights, and Gaussian ones of the same PSD. The twin's laws are the map's, as far as 150 patches
- * can tell. */
+/* Of e, f_max or the zero-force distance, of those patches that have it. */
+static size_t gather(double value[PATCHES], const haft_laws *l, int which) {
+    size_t n = 0;
+    for (size_t i = 0; i < l->m; i++) {
+        value[n] = which == 0   ? l->vector[i].e
+                   : which == 1 ? l->vector[i].f_max
+                                : l->zero_distance[i];
+        n += !isnan(value[n]);
+    }
+    return n;
+}
+
+/* Maps of one process: laws of their windows, of patches generated from their PSD and heights, and
+ * of Gaussian ones of the same PSD. A patch of 1.2 um is one window, without seams, and the maps
+ * hold 16 such windows each that share no pixel, so that 240 patches are about as many independent
+ * ones. Differences of 0.15 are told apart at 1 %: the twins' laws are nearer to the windows' than
+ * that, the Gaussian ones' are far off. */
 static void twins_have_the_maps_laws(void **state) {
     (void)state;
     scratch s = scratch_create();
-    char names[400] = "", surface[600];
-    for (uint64_t k = 0; k < 12; k++) {
+    char names[800] = "", surface[1000];
+    maker m = open_maker(MAP_SIDE);
+    for (uint64_t k = 0; k < MAPS; k++) {
         char name[16];
-        snprintf(name, sizeof name, "%c.gsf", (char)('a' + k));
-        haft_map *map = make_map(k);
+        snprintf(name, sizeof name, "%02d.gsf", (int)k);
+        haft_map *map = make_map(&m, k);
         copy_map(&s, name, map);
         haft_map_destroy(&map);
         snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", k > 0 ? ", " : "",
                  name);
     }
+    close_maker(&m);
     static const char *const kinds[] = {"source: maps", "marginal: heights", "marginal: gaussian"};
     static const char *const numbers[] = {"e", "f_max", "zero-force distance"};
     haft_laws *laws[3];
@@ -245,25 +286,17 @@ static void twins_have_the_maps_laws(void **state) {
     }
     for (int k = 1; k < 3; k++) {
         for (int q = 0; q < 3; q++) {
-            double value[2][150];
-            size_t n[2] = {0, 0};
-            for (int side = 0; side < 2; side++) {
-                const haft_laws *l = laws[side == 0 ? 0 : k];
-                for (size_t i = 0; i < l->m; i++) {
-                    double x = q == 0   ? l->vector[i].e
-                               : q == 1 ? l->vector[i].f_max
-                                        : l->zero_distance[i];
-                    value[side][n[side]] = x;
-                    n[side] += !isnan(x);
-                }
-            }
-            assert_true(n[0] > 75 && n[1] > 75);
-            double d = ks_distance(value[0], n[0], value[1], n[1]);
-            double critical = 1.63 * sqrt(1.0 / (double)n[0] + 1.0 / (double)n[1]); /* 1 % */
+            double windows[PATCHES], twins[PATCHES];
+            size_t n = gather(windows, laws[0], q), l = gather(twins, laws[k], q);
+            assert_true(n > PATCHES / 2 && l > PATCHES / 2);
+            double d = ks_distance(windows, n, twins, l);
+            double critical = 1.63 * sqrt(1.0 / (double)n + 1.0 / (double)l); /* 1 % */
             print_message("%s, %s: KS distance %.3f, critical at 1 %% %.3f\n", kinds[k], numbers[q],
                           d, critical);
             if (k == 1) {
                 check_less(d, critical);
+            } else {
+                check_less(2 * critical, d);
             }
         }
     }
@@ -280,7 +313,8 @@ static void films_lengthen_the_range(void **state) {
     check_ok(haft_adsorption_check(&silica, &error), error);
     check_near(haft_adsorption_thickness(&silica, 0.15), 1.5 * 0.282e-9, 1e-22);
     check_near(haft_adsorption_thickness(&silica, 0.45), 3.5 * 0.282e-9, 1e-22);
-    check_near(haft_adsorption_thickness(&silica, 0.999), 10 * 0.282e-9, 1e-22);
+    check_near(haft_adsorption_thickness(&silica, 0.825), 5.5 * 0.282e-9, 1e-22);
+    check_near(haft_adsorption_thickness(&silica, 0.999), 6.5 * 0.282e-9, 1e-22);
     const double rh[] = {0.2, 0.1}, t[] = {1e-9, 2e-9};
     haft_adsorption bad = {2, rh, t};
     assert_int_equal(haft_adsorption_check(&bad, &error), HAFT_ERROR_INPUT);
@@ -292,7 +326,7 @@ static void films_lengthen_the_range(void **state) {
     static const char *const lines[] = {
         "humidity: 85 %", "humidity: 85 %\n    adsorbed: silica",
         "humidity: 85 %\n    adsorbed: table\n    adsorbed_table: film.csv"};
-    const double thickness[] = {0, (4 + 6 * 25 / 39.) * 0.282e-9, 1.4e-9};
+    const double thickness[] = {0, (4.5 + 2 * 10 / 15.) * 0.282e-9, 1.4e-9};
     double dry = 0;
     char digest[3][HAFT_DIGEST_CAPACITY];
     for (int k = 0; k < 3; k++) {
