@@ -43,12 +43,13 @@ typedef struct haft_adsorption {
 } haft_adsorption;
 
 /** Film on silica at room temperature, layers of 0.282 nm: 3 at RH 30 % and 4 at 60 % (Asay and Kim
- *  2005, J. Phys. Chem. B 109, 16760: up to three layers grow between 0 and 30 %, one more up to
- *  60 %), 4.5 at 75 % and 6.5 at 90 % (Verdaguer et al. 2007, Langmuir 23, 9699: 4 to 5 up to 75 %,
- * 6 to 7 at 90 %). A coarse reading of what their abstracts say, which disagree by a layer where
- * they meet; below 30 % proportional to RH, though the first layer is there earlier; constant above
- *  90 %, where the film grows without limit. The thickness of a layer is a water molecule's size,
- *  and taken from neither. With measured numbers at hand, give them as a table. */
+ *  2005, J. Phys. Chem. B 109, 16760: up to three layers grow between 0 and 30 %; that there is one
+ *  more at 60 % has not been checked against it), 4.5 at 75 % and 6.5 at 90 % (Verdaguer et al.
+ *  2007, Langmuir 23, 9699: 4 to 5 up to 75 %, 6 to 7 at 90 %). A coarse reading of their
+ * abstracts, which disagree by a layer where they meet; below 30 % proportional to RH, though the
+ * first layer is there earlier; constant above 90 %, where the film grows without limit. The
+ * thickness of a layer is a water molecule's size, and taken from neither. With measured numbers at
+ * hand, give them as a table. */
 haft_adsorption haft_adsorption_silica(void);
 
 /** @return HAFT_ERROR_INPUT for no points, points out of order, or thicknesses that are negative,
