@@ -16,8 +16,7 @@ static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-/* An element's unknowns by nodes, deflection and rotation side by side. */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+/* An element's unknowns by nodes. */
 typedef struct element_values {
     pair near, far;
 } element_values;

@@ -10,7 +10,7 @@
 enum { LANES = HAFT_LAW_LANES, COLUMNS = 10 };
 
 struct haft_law_rows {
-    size_t laws, stride;
+    size_t stride;
     double *value;                /* COLUMNS rows of the wings' numbers, stride each */
     size_t tables;                /* how many there are */
     const haft_law_table **table; /* laws: NULL where not one */
@@ -32,7 +32,6 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
     if (rows == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    rows->laws = n;
     rows->stride = haft_law_lanes(n);
     rows->value = haft_memory_alloc(COLUMNS * rows->stride, sizeof *rows->value, error);
     rows->table = haft_memory_alloc(n, sizeof *rows->table, error);

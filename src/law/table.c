@@ -12,7 +12,6 @@ typedef struct piece {
     haft_hermite cubic;
     double start;     /* gap at its left end */
     double potential; /* there */
-    double deepest;   /* least force of all points from there on */
 } piece;
 
 struct haft_law_table {
@@ -98,12 +97,11 @@ haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *
     table->per_step = (double)(n - 1) / (table->last - table->first);
     table->f_max = pull;
     table->d_max = pull > 0 ? distance[at] : NAN;
-    double potential = 0, deepest = 0;
+    double potential = 0;
     for (size_t i = n - 1; i-- > 0;) {
         haft_hermite cubic = haft_hermite_interval(n, distance, force, i);
         potential += haft_hermite_integral(&cubic, cubic.width);
-        deepest = fmin(deepest, force[i]);
-        table->piece[i] = (piece){cubic, distance[i], potential, deepest};
+        table->piece[i] = (piece){cubic, distance[i], potential};
     }
     find_range(table, scale);
     *out = table;
@@ -177,27 +175,17 @@ haft_law haft_law_from_table(const haft_law_table *table) {
                       .table = table};
 }
 
-/* The last piece that begins at the level or below: as deepest never falls, by bisection. */
-static double last_at(const haft_law_table *table, double level) {
-    size_t low = 0, high = table->pieces;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (table->piece[middle].deepest <= level) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    const piece *p = &table->piece[low];
-    return p->cubic.c[0] <= level ? p->start + haft_hermite_solve(&p->cubic, level) : table->first;
-}
-
 double haft_law_table_reach(const haft_law_table *table, double share) {
-    if (table->f_max > 0) {
-        return last_at(table, -share * table->f_max);
-    }
+    bool pulls = table->f_max > 0;
+    double level = pulls ? -share * table->f_max : 0;
     for (size_t i = table->pieces; i-- > 0;) {
-        if (table->piece[i].cubic.c[0] > 0) {
+        const piece *p = &table->piece[i];
+        double start = p->cubic.c[0];
+        double end = i + 1 < table->pieces ? table->piece[i + 1].cubic.c[0] : 0.0;
+        if (pulls && start <= level && end > level) {
+            return p->start + haft_hermite_solve(&p->cubic, level);
+        }
+        if (!pulls && start > 0) {
             return i + 1 < table->pieces ? table->piece[i + 1].start : table->last;
         }
     }

@@ -78,17 +78,11 @@ bool haft_tracker_is_clear(const haft_tracker *t, const double *u) {
     return true;
 }
 
-double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
-    double beyond = d - t->far[site];
-    return t->range[site] + (beyond > 0 ? beyond : 0);
-}
-
 /* How far each site's gap moves in lengths of its law, into `share`. */
 HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *w, const double *motion,
                                       double *restrict share) {
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        double beyond = (t->model->gap - w[r]) - t->far[r];
-        share[r] = fabs(motion[r]) / (t->range[r] + (beyond > 0 ? beyond : 0));
+        share[r] = fabs(motion[r]) / haft_tracker_length(t, r, t->model->gap - w[r]);
     }
 }
 

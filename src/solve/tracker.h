@@ -110,7 +110,10 @@ void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double f
 bool haft_tracker_is_clear(const haft_tracker *t, const double *u);
 
 /* The length over which a site's force changes at gap d, longer the farther it is out of reach. */
-double haft_tracker_length(const haft_tracker *t, size_t site, double d);
+static inline double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
+    double beyond = d - t->far[site];
+    return t->range[site] + (beyond > 0 ? beyond : 0);
+}
 
 /* Largest move of a gap from state u by the displacement v, in the lengths above. */
 double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site);
