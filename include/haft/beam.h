@@ -174,10 +174,12 @@ void haft_model_add_forces(const haft_model *model, const double *force, double 
  *  @param[out] hessian [nonzeros]; may be NULL
  *  @param[in] laws one a site
  *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
- *  rounding error is measured against. Thread-safe. */
+ *  rounding error is measured against
+ *  @param[out] gap [sites] may be NULL: the gaps the laws were read at [m]; inert sites' are left
+ *  alone. Thread-safe. */
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
-                                double load, double *gradient, double *hessian,
-                                double *force_scale);
+                                double load, double *gradient, double *hessian, double *force_scale,
+                                double *gap);
 
 /** Each site's part in the Hessian at a state, -A_r f'_r(d_r) in units of energy a square metre,
  * for haft_model_multiply(). Thread-safe. */

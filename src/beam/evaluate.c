@@ -67,10 +67,17 @@ static inline pair size(pair x) {
     return (pair){fabs(x[0]), fabs(x[1])};
 }
 
-/* Strain energy of all elements in units of energy; their forces go into the gradient, and how much
- * the energy moves when each unknown is rounded into `rounding`, in units of 2^-53. */
+static inline double larger_of_node(double largest, const int *dof, pair force) {
+    pair sizes = size(force);
+    largest = dof[0] < 0 ? largest : larger(largest, sizes[0]);
+    return dof[1] < 0 ? largest : larger(largest, sizes[1]);
+}
+
+/* Strain energy of all elements in units of energy; their forces go into the gradient, the greatest
+ * of them into `largest` if that is asked for, and how much the energy moves when each unknown is
+ * rounded into `rounding`, in units of 2^-53. */
 static double add_strain(const haft_model *model, const double *u, double *gradient,
-                         double *rounding) {
+                         double *largest, double *rounding) {
     double energy = 0;
     pair moved = {0, 0};
     for (size_t e = 0; e < model->elements; e++) {
@@ -81,22 +88,13 @@ static double add_strain(const haft_model *model, const double *u, double *gradi
             add_to_node(element->dof + 2, f.far, gradient);
             moved += size(f.near * v.near) + size(f.far * v.far);
         }
+        if (largest != NULL) {
+            *largest = larger_of_node(*largest, element->dof, f.near);
+            *largest = larger_of_node(*largest, element->dof + 2, f.far);
+        }
     }
     *rounding = moved[0] + moved[1];
     return energy;
-}
-
-static double largest_strain_force(const haft_model *model, const double *u) {
-    double largest = 0, energy = 0;
-    for (size_t e = 0; e < model->elements; e++) {
-        const haft_element *element = &model->element[e];
-        element_values f = element_forces(element, values_at(element, u), &energy);
-        const double force[HAFT_SPAN] = {f.near[0], f.near[1], f.far[0], f.far[1]};
-        for (int k = 0; k < HAFT_SPAN; k++) {
-            largest = element->dof[k] < 0 ? largest : larger(largest, fabs(force[k]));
-        }
-    }
-    return largest;
 }
 
 /* The element's forces, linear in x, into y. */
@@ -165,14 +163,19 @@ static double largest_term(const haft_model *model, const haft_stretch *s, const
     return largest;
 }
 
-/* Contact of all sites: their energy [J], and their forces and stiffnesses into the sums. */
+/* Contact of all sites: their energy [J], their forces and stiffnesses into the sums, and their
+ * gaps. */
 static double add_contact(const haft_model *model, const haft_law_rows *laws, const double *u,
-                          double *gradient, double *hessian, double *largest, double *rounding) {
+                          double *gradient, double *hessian, double *largest, double *rounding,
+                          double *gap) {
     double energy = 0, pushed = 0;
     stretch_state state;
     for (size_t n = 0; n < model->layout->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         evaluate_stretch(model, s, laws, u, &state);
+        if (gap != NULL) {
+            memcpy(gap + s->first, state.d, s->sites * sizeof *gap);
+        }
         energy += weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit,
                                 &state, &pushed);
         haft_stretch_assemble(model, s, state.force, state.slope, gradient, hessian);
@@ -185,26 +188,26 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
 }
 
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
-                                double load, double *gradient, double *hessian,
-                                double *force_scale) {
+                                double load, double *gradient, double *hessian, double *force_scale,
+                                double *gap) {
     haft_energy energy = {0};
     double largest = 0, strain_rounding = 0;
+    double *term = force_scale != NULL ? &largest : NULL;
     if (gradient != NULL) {
         memset(gradient, 0, model->dofs * sizeof *gradient);
     }
     if (hessian != NULL) {
         memcpy(hessian, model->stiffness, model->nonzeros * sizeof *hessian);
     }
-    energy.strain = model->energy_unit * add_strain(model, u, gradient, &strain_rounding);
+    energy.strain = model->energy_unit * add_strain(model, u, gradient, term, &strain_rounding);
     double rounding = 0;
-    energy.contact = add_contact(model, laws, u, gradient, hessian,
-                                 force_scale != NULL ? &largest : NULL, &rounding);
+    energy.contact = add_contact(model, laws, u, gradient, hessian, term, &rounding, gap);
     energy.rounding = 0x1p-53 * (strain_rounding * model->energy_unit + rounding);
     if (gradient != NULL) {
         add_load(&model->load, -load / model->energy_unit, gradient, &largest);
     }
     if (force_scale != NULL) {
-        *force_scale = larger(largest, largest_strain_force(model, u));
+        *force_scale = largest;
     }
     return energy;
 }

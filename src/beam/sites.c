@@ -163,9 +163,19 @@ static inline void add_quad(double *to, const quad *q) {
     *(pair *)(to + 2) += half[1];
 }
 
+/* Forces that a run of sites gives its four unknowns. */
+static inline void sum_forces(const double *share, size_t sites, const double *force, quad *sum) {
+    quad s0 = {0};
+    const quad *part = (const quad *)share;
+    for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
+        s0 += force[i] * part[0];
+    }
+    *sum = s0;
+}
+
 /* Forces and columns of stiffness that a run of sites gives its four unknowns. */
-HAFT_CLONES static void sum_shares(const double *share, size_t sites, const double *force,
-                                   const double *stiffness, quad sum[HAFT_COLUMNS]) {
+static inline void sum_shares(const double *share, size_t sites, const double *force,
+                              const double *stiffness, quad sum[HAFT_COLUMNS]) {
     quad s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}, s4 = {0};
     const quad *part = (const quad *)share;
     for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
@@ -178,8 +188,8 @@ HAFT_CLONES static void sum_shares(const double *share, size_t sites, const doub
     sum[0] = s0, sum[1] = s1, sum[2] = s2, sum[3] = s3, sum[4] = s4;
 }
 
-static void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
-                          const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
+static inline void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
+                                 const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
     if (gradient != NULL) {
         add_quad(gradient + layout->dof[r], &sum[0]);
     }
@@ -200,7 +210,7 @@ static void scatter_part(const haft_site *site, const int *slot, const quad sum[
     }
 }
 
-static bool any(const double *force, const double *stiffness, size_t n) {
+static inline bool any(const double *force, const double *stiffness, size_t n) {
     for (size_t i = 0; i < n; i++) {
         if (force[i] != 0 || stiffness[i] != 0) {
             return true;
@@ -209,8 +219,9 @@ static bool any(const double *force, const double *stiffness, size_t n) {
     return false;
 }
 
-void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const double *force,
-                           const double *stiffness, double *gradient, double *hessian) {
+HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s,
+                                 const double *force, const double *stiffness, double *gradient,
+                                 double *hessian) {
     const haft_layout *layout = model->layout;
     for (size_t n = 0; n < s->runs; n++) {
         const haft_run *run = &layout->run[s->first_run + n];
@@ -220,7 +231,12 @@ void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const
         } else if (any(f, k, run->sites)) {
             quad sum[HAFT_COLUMNS];
             const int *slot = model->site_slot + run->first * ENTRIES;
-            sum_shares(layout->share + run->first * HAFT_SHARES, run->sites, f, k, sum);
+            const double *share = layout->share + run->first * HAFT_SHARES;
+            if (hessian == NULL) {
+                sum_forces(share, run->sites, f, sum);
+            } else {
+                sum_shares(share, run->sites, f, k, sum);
+            }
             if (run->whole) {
                 scatter_whole(layout, slot, run->first, sum, gradient, hessian);
             } else {
@@ -228,6 +244,11 @@ void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const
             }
         }
     }
+}
+
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const double *force,
+                           const double *stiffness, double *gradient, double *hessian) {
+    assemble(model, s, force, stiffness, gradient, hessian);
 }
 
 void haft_model_displacements(const haft_model *model, const double *v, double *w) {

@@ -89,6 +89,7 @@ haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
     memset(t->solution, 0, t->n * sizeof *t->solution);
     haft_tracker_add_row(t, &t->model->load, 1, t->solution);
     solve_refined(t, t->solution);
+    haft_model_displacements(t->model, t->solution, t->motion);
     return haft_factor_inertia(t->factor);
 }
 
@@ -96,17 +97,16 @@ haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
 static void second_derivatives(haft_tracker *t, const haft_state *state, haft_control control,
                                int side, double rate, haft_branch *out) {
     const haft_model *m = t->model;
-    double *d = t->site[0], *motion = t->site[1], *force = t->site[2];
-    haft_law_values values = {t->site[3], t->site[4], t->site[5], t->site[2]};
-    haft_model_displacements(m, state->u, d);
-    haft_model_displacements(m, out->u1, motion);
+    double *d = t->site[0], *force = t->site[1], by_control = 1 / rate, unit = 1 / m->energy_unit;
+    haft_law_values values = {t->site[2], t->site[3], t->site[4], force};
     for (size_t r = m->inert; r < m->sites; r++) {
-        d[r] = m->gap - d[r] - copysign(KINK_OFFSET * t->range[r], motion[r] * side);
+        double motion = t->motion[r] * by_control;
+        d[r] = state->gap[r] - copysign(KINK_OFFSET * t->range[r], motion * side);
     }
     haft_law_rows_evaluate(t->rows, m->inert, m->sites - m->inert, d + m->inert, &values);
     for (size_t r = m->inert; r < m->sites; r++) {
-        double weight = m->site[r].area / m->energy_unit;
-        force[r] = -weight * values.curvature[r - m->inert] * motion[r] * motion[r];
+        double weight = m->site[r].area * unit, motion = t->motion[r] * by_control;
+        force[r] = -weight * values.curvature[r - m->inert] * motion * motion;
     }
     memset(out->u2, 0, t->n * sizeof *out->u2);
     haft_model_add_forces(m, force, out->u2);
@@ -251,7 +251,6 @@ static double deepest_dip(const haft_tracker *t, double dtau, double *depth) {
 
 haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction) {
     predict(t, step->dtau);
-    memcpy(t->scratch[2], t->next.u, t->n * sizeof(double));
     double value = haft_control_value(t, step->control, &t->here) + step->dtau;
     step->moved = INFINITY;
     step->defect = INFINITY;
@@ -259,10 +258,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (!haft_corrector_solve(t, step->control, value, &t->next)) {
         return HAFT_STEP_REJECTED;
     }
-    for (size_t i = 0; i < t->n; i++) {
-        t->scratch[2][i] = t->next.u[i] - t->scratch[2][i];
-    }
-    step->moved = haft_tracker_move(t, t->next.u, t->scratch[2], NULL);
+    step->moved = haft_tracker_way(t, t->next.gap, t->gap_predicted);
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }

@@ -282,15 +282,12 @@ void haft_corrector_destroy(haft_corrector **corrector) {
  * below it. */
 static double rounding_floor(const haft_tracker *t, const double *u) {
     double largest = 0;
-    double *sum = t->scratch[0];
-    memset(sum, 0, t->n * sizeof *sum);
-    for (size_t j = 0; j < t->n; j++) {
+    for (size_t j = 0; j < t->n; j++) { /* H is symmetric: a column is a row */
+        double sum = 0;
         for (int k = t->model->column[j]; k < t->model->column[j + 1]; k++) {
-            sum[t->model->row[k]] += fabs(t->hessian[k] * u[j]);
+            sum += fabs(t->hessian[k] * u[t->model->row[k]]);
         }
-    }
-    for (size_t i = 0; i < t->n; i++) {
-        largest = fmax(largest, sum[i]);
+        largest = sum > largest ? sum : largest;
     }
     return 4 * 0x1p-52 * largest;
 }
@@ -332,6 +329,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
         return false;
     }
     c->evaluated = true;
+    memcpy(t->gap_predicted, t->gap, t->model->sites * sizeof(double));
     force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
     N_VConst(1 / force, c->f_scale);
     double control_length =
@@ -350,5 +348,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     memcpy(state->u, y, t->n * sizeof *y);
     state->load = y[t->n];
     state->energy = c->energy;
+    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
+    state->crack = NAN;
     return true;
 }

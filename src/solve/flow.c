@@ -108,7 +108,7 @@ static bool is_arriving(haft_tracker *t, const haft_state *state) {
         step[i] = -t->gradient[i];
     }
     haft_tracker_solve(t, step);
-    return haft_tracker_move(t, state->u, step, NULL) < ARRIVAL;
+    return haft_tracker_move(t, state->gap, step, NULL) < ARRIVAL;
 }
 
 /* Finishes by KINSOL from an arriving state; the result must be near it, stable, and no higher: by
@@ -120,11 +120,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
     if (!haft_corrector_solve(t, load, flowing->load, landed)) {
         return false;
     }
-    double *moved = t->scratch[3];
-    for (size_t i = 0; i < t->n; i++) {
-        moved[i] = landed->u[i] - flowing->u[i];
-    }
-    if (haft_tracker_move(t, flowing->u, moved, NULL) > 2 * ARRIVAL) {
+    if (haft_tracker_way(t, flowing->gap, landed->gap) > 2 * ARRIVAL) {
         return false;
     }
     double rise = haft_tracker_potential(t, landed) - haft_tracker_potential(t, flowing);
@@ -144,17 +140,24 @@ static double departure_rate(haft_tracker *t, const double *v) {
     return down / weight;
 }
 
+/* Evaluates a state on the way, which keeps its energy and gaps. */
+static bool evaluate_state(haft_tracker *t, haft_state *state) {
+    bool finite = haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
+    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
+    return finite;
+}
+
 /* Puts `from` a little off the fold; @return a first step size, or NaN if it cannot be evaluated.
  */
 static double depart(haft_tracker *t, haft_state *from, const double *away) {
     double *v = t->scratch[2];
-    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.u, away, NULL);
+    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, away, NULL);
     for (size_t i = 0; i < t->n; i++) {
         v[i] = amplitude * away[i];
         from->u[i] = t->here.u[i] + v[i];
     }
     from->load = t->here.load;
-    if (!haft_tracker_evaluate(t, from->u, from->load, &from->energy, NULL)) {
+    if (!evaluate_state(t, from)) {
         return NAN;
     }
     double rate = departure_rate(t, v);
@@ -174,26 +177,13 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     if (!rosenbrock_step(t, from, to, dt)) {
         return INFINITY;
     }
-    double error = haft_tracker_move(t, from->u, t->scratch[0], NULL);
-    double *moved = t->scratch[3];
-    for (size_t i = 0; i < t->n; i++) {
-        moved[i] = to->u[i] - from->u[i];
-    }
-    *move = haft_tracker_move(t, from->u, moved, NULL);
-    if (!haft_tracker_evaluate(t, to->u, to->load, &to->energy, NULL)) {
+    double error = haft_tracker_move(t, from->gap, t->scratch[0], NULL);
+    if (!evaluate_state(t, to)) {
         return INFINITY;
     }
+    *move = haft_tracker_way(t, from->gap, to->gap);
     double before = haft_tracker_potential(t, from);
     return haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
-}
-
-/* How far the gaps of a state are from those of the fold, in lengths. */
-static double distance_from_fold(haft_tracker *t, const haft_state *state) {
-    double *way = t->scratch[3];
-    for (size_t i = 0; i < t->n; i++) {
-        way[i] = state->u[i] - t->here.u[i];
-    }
-    return haft_tracker_move(t, t->here.u, way, NULL);
 }
 
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
@@ -228,14 +218,14 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
             return HAFT_OUTCOME_ZONE_LEFT;
         }
         if (allowed < t->options.flow_step) {
-            allowed = fmin(t->options.flow_step, ERROR_SHARE * distance_from_fold(t, from));
+            allowed = fmin(t->options.flow_step,
+                           ERROR_SHARE * haft_tracker_way(t, t->here.gap, from->gap));
         }
         bool slows = move / before < speed;
         speed = move / before;
         if (slows && move < SETTLING && is_arriving(t, from)) {
             if (arrive(t, from, to)) {
-                memcpy(t->here.u, to->u, t->n * sizeof(double));
-                t->here.energy = to->energy;
+                swap(&t->here, to);
                 return HAFT_OUTCOME_STUCK;
             }
             if (!haft_tracker_evaluate(t, from->u, from->load, NULL, NULL)) {

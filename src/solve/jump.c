@@ -21,9 +21,9 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
     haft_tracker *t = w->t;
     double closing = 0;
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        bool before = t->gap_before[r] <= t->reach[r], after = t->gap_after[r] <= t->reach[r];
+        bool before = t->gap_before[r] <= t->reach[r], after = t->here.gap[r] <= t->reach[r];
         jump->sites_switched += before != after;
-        closing += t->gap_before[r] - t->gap_after[r];
+        closing += t->gap_before[r] - t->here.gap[r];
     }
     jump->kind = closing > 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT;
 }
@@ -33,25 +33,24 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, dou
     haft_tracker *t = w->t;
     haft_jump jump = {.phase = w->phase,
                       .load = t->here.load * t->load_unit,
-                      .crack_before = haft_walker_crack(t, &t->here),
+                      .crack_before = haft_tracker_crack(t, &t->here),
                       .internal_before = t->here.energy.strain,
                       .departure = departure,
                       .fold_defect = fold_defect};
     size_t site = 0;
-    haft_tracker_move(t, t->here.u, t->null, &site);
+    haft_tracker_move(t, t->here.gap, t->null, &site);
     jump.site = (int)site;
     double energy = t->here.energy.strain + t->here.energy.contact;
     double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
-    haft_model_gaps(t->model, t->here.u, t->gap_before);
+    memcpy(t->gap_before, t->here.gap, t->model->sites * sizeof(double));
     haft_outcome outcome = haft_flow_land(t, t->null, &jump.flow_steps);
     if (outcome != HAFT_OUTCOME_STUCK) {
         return outcome;
     }
-    haft_model_gaps(t->model, t->here.u, t->gap_after);
     double work = t->here.load * t->model->energy_unit *
                   (haft_tracker_row(t, &t->model->load, t->here.u) - deflection);
     jump.dissipated = work + energy - t->here.energy.strain - t->here.energy.contact;
-    jump.crack_after = haft_walker_crack(t, &t->here);
+    jump.crack_after = haft_tracker_crack(t, &t->here);
     jump.internal_after = t->here.energy.strain;
     describe_jump(w, &jump);
     haft_walker_book(w, work, jump.dissipated);
@@ -91,14 +90,14 @@ static double energy_beside(haft_tracker *t, double amplitude) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }
     t->spare.load = t->here.load;
-    t->spare.energy = haft_model_evaluate(t->model, t->rows, t->spare.u, 0, NULL, NULL, NULL);
+    t->spare.energy = haft_model_evaluate(t->model, t->rows, t->spare.u, 0, NULL, NULL, NULL, NULL);
     return haft_tracker_potential(t, &t->spare);
 }
 
 /* The sign by which the first of the gaps that move most closes in loading, opens in unloading. */
 static int conventional_sign(const haft_walker *w) {
     const haft_tracker *t = w->t;
-    double most = haft_tracker_move(t, t->here.u, t->null, NULL);
+    double most = haft_tracker_move(t, t->here.gap, t->null, NULL);
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
         const haft_site *site = &t->model->site[r];
         double d = t->model->gap - haft_model_displacement(site, t->here.u);
@@ -118,7 +117,7 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
         haft_branch_least_eigenvalue(t);
     }
     memcpy(t->null, t->mode, t->n * sizeof(double));
-    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.u, t->null, NULL);
+    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, t->null, NULL);
     double forth = energy_beside(t, amplitude), back = energy_beside(t, -amplitude);
     double alike = haft_tracker_rounding(&t->here, &t->here) +
                    1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
@@ -137,7 +136,7 @@ haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] = step->sign * t->start.u1[i];
     }
-    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.u, t->null, NULL);
+    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, t->null, NULL);
     if (!(energy_beside(t, amplitude) < energy_beside(t, 0))) {
         return HAFT_OUTCOME_STEP_STALLED; /* the branch does not end here: the step failed */
     }

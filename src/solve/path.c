@@ -27,15 +27,11 @@ void haft_walker_record(haft_walker *w, int jump) {
     w->t->not_finite = 0;
 }
 
-double haft_walker_crack(const haft_tracker *t, const haft_state *state) {
-    return haft_model_crack_length(t->model, t->reach, state->u);
+double haft_walker_excess(const haft_walker *w, haft_state *state) {
+    return haft_tracker_crack(w->t, state) - w->t->programme.crack_length * (1 + CRACK_TOLERANCE);
 }
 
-double haft_walker_excess(const haft_walker *w, const haft_state *state) {
-    return haft_walker_crack(w->t, state) - w->t->programme.crack_length * (1 + CRACK_TOLERANCE);
-}
-
-bool haft_walker_reached(const haft_walker *w, const haft_state *state) {
+bool haft_walker_reached(const haft_walker *w, haft_state *state) {
     return w->direction > 0 && haft_walker_excess(w, state) <= 0;
 }
 

@@ -56,7 +56,7 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
     path->point[path->points] = (haft_path_point){
         .load = t->here.load * t->load_unit,
         .deflection = haft_model_displacement(&t->model->load, t->here.u),
-        .crack_length = haft_model_crack_length(t->model, t->reach, t->here.u),
+        .crack_length = haft_tracker_crack(t, &t->here),
         .internal_energy = t->here.energy.strain,
         .contact_energy = t->here.energy.contact,
         .work = ledger->work,

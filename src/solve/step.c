@@ -21,7 +21,7 @@
 /* The gap that moves most in the direction of the certified branch becomes the control. */
 static haft_control choose_control(haft_tracker *t) {
     size_t site = 0;
-    double move = haft_tracker_move(t, t->here.u, t->solution, &site);
+    double move = haft_tracker_greatest(t, t->here.gap, t->motion, &site);
     if (!(move > 0)) {
         return (haft_control){NULL, 0};
     }
@@ -38,8 +38,9 @@ static void depart(haft_walker *w, haft_step *step) {
     haft_branch_derive(t, &t->here, step->control, step->sign, &t->start);
     double size = 1;
     if (site != NULL) {
-        double d = t->model->gap - haft_model_displacement(site, t->here.u);
-        size = w->eta * haft_tracker_length(t, step->control.index, d) / t->model->gap;
+        double length =
+            haft_tracker_length(t, step->control.index, t->here.gap[step->control.index]);
+        size = w->eta * length / t->model->gap;
     }
     step->dtau = step->sign * size;
 }
@@ -63,14 +64,12 @@ static double passing_share(double d, double a, double b, double kink, double ra
 static void stop_at_kink(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
     const haft_model *m = t->model;
-    double first = 1, target = 0, *d = t->site[0], *motion = t->site[1];
-    haft_model_displacements(m, t->here.u, d);
-    haft_model_displacements(m, t->start.u1, motion);
+    double first = 1, target = 0, rate = t->start.load1;
+    const double *d = t->here.gap;
     size_t chosen = m->sites;
     for (size_t r = m->inert; r < m->sites; r++) {
         const haft_law *law = &t->laws[r];
-        d[r] = m->gap - d[r];
-        double a = -motion[r] * step->dtau;
+        double a = -t->motion[r] * rate * step->dtau;
         if (fabs(a) < KINK_SHARE * w->eta * haft_tracker_length(t, r, d[r]) ||
             law->kind != HAFT_LAW_MORSE) {
             continue;

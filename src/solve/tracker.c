@@ -8,7 +8,7 @@
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        t->hessian, force_scale);
+                                        t->hessian, force_scale, t->gap);
     if (energy != NULL) {
         *energy = e;
     }
@@ -21,8 +21,8 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 }
 
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load) {
-    haft_energy e =
-        haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient, NULL, NULL);
+    haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
+                                        NULL, NULL, NULL);
     double sum = e.strain + e.contact;
     t->not_finite += !isfinite(sum);
     return isfinite(sum);
@@ -44,14 +44,7 @@ void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double f
 }
 
 void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y) {
-    const haft_model *m = t->model;
-    for (size_t j = 0; j < t->n; j++) { /* M is symmetric: a column is a row */
-        double sum = 0;
-        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-            sum += m->mass[k] * x[m->row[k]];
-        }
-        y[j] += factor * sum;
-    }
+    haft_diagonals_multiply(t->mass, factor, x, y);
 }
 
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state) {
@@ -79,18 +72,17 @@ bool haft_tracker_is_clear(const haft_tracker *t, const double *u) {
 }
 
 /* How far each site's gap moves in lengths of its law, into `share`. */
-HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *w, const double *motion,
-                                      double *restrict share) {
+HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *gap,
+                                      const double *motion, double *restrict share) {
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        share[r] = fabs(motion[r]) / haft_tracker_length(t, r, t->model->gap - w[r]);
+        share[r] = fabs(motion[r]) / haft_tracker_length(t, r, gap[r]);
     }
 }
 
-double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site) {
-    double *w = t->site[0], *motion = t->site[1], *share = t->site[2], largest = 0;
-    haft_model_displacements(t->model, u, w);
-    haft_model_displacements(t->model, v, motion);
-    measure_moves(t, w, motion, share);
+double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
+                             size_t *site) {
+    double *share = t->site[1], largest = 0;
+    measure_moves(t, gap, motion, share);
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
         if (share[r] > largest) {
             largest = share[r];
@@ -100,6 +92,26 @@ double haft_tracker_move(const haft_tracker *t, const double *u, const double *v
         }
     }
     return largest;
+}
+
+double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site) {
+    haft_model_displacements(t->model, v, t->site[0]);
+    return haft_tracker_greatest(t, gap, t->site[0], site);
+}
+
+double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to) {
+    double *way = t->site[0];
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
+        way[r] = to[r] - gap[r];
+    }
+    return haft_tracker_greatest(t, gap, way, NULL);
+}
+
+double haft_tracker_crack(const haft_tracker *t, haft_state *state) {
+    if (isnan(state->crack)) {
+        state->crack = haft_model_crack_length(t->model, t->reach, state->u);
+    }
+    return state->crack;
 }
 
 static const haft_path_options DEFAULTS = {
@@ -121,8 +133,9 @@ static haft_path_options resolve(const haft_path_options *given) {
     return o;
 }
 
-/* All vectors of length n, in one list: allocated and freed by the same walk. */
-enum { VECTORS = 20 };
+/* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
+ * by the same walk. */
+enum { VECTORS = 20, SITE_VECTORS = 11 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     double **all[VECTORS] = {&t->gradient,   &t->solution,   &t->mode,       &t->null,
                              &t->scratch[0], &t->scratch[1], &t->scratch[2], &t->scratch[3],
@@ -132,33 +145,48 @@ static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     memcpy(vector, all, sizeof all);
 }
 
-static haft_status allocate(haft_tracker *t, haft_error *error) {
-    double **vector[VECTORS];
-    list_vectors(t, vector);
-    for (int i = 0; i < VECTORS; i++) {
-        *vector[i] = haft_memory_alloc(t->n, sizeof(double), error);
+static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
+    double **all[SITE_VECTORS] = {
+        &t->range,    &t->reach,          &t->far,       &t->gap_before,
+        &t->gap,      &t->site_stiffness, &t->motion,    &t->gap_predicted,
+        &t->here.gap, &t->next.gap,       &t->spare.gap, &t->site[0],
+        &t->site[1],  &t->site[2],        &t->site[3],   &t->site[4]};
+    memcpy(vector, all, sizeof all);
+}
+
+static bool allocate_list(double ***vector, int count, size_t n, haft_error *error) {
+    for (int i = 0; i < count; i++) {
+        *vector[i] = haft_memory_alloc(n, sizeof(double), error);
         if (*vector[i] == NULL) {
-            return HAFT_ERROR_MEMORY;
+            return false;
         }
     }
-    size_t sites = t->model->sites;
+    return true;
+}
+
+static void free_list(double ***vector, int count) {
+    for (int i = 0; i < count; i++) {
+        haft_memory_free(*vector[i]);
+    }
+}
+
+static haft_status allocate(haft_tracker *t, haft_error *error) {
+    double **vector[VECTORS], **site_vector[SITE_VECTORS];
+    list_vectors(t, vector);
+    list_site_vectors(t, site_vector);
+    size_t lanes = haft_law_lanes(t->model->sites);
+    if (!allocate_list(vector, VECTORS, t->n, error) ||
+        !allocate_list(site_vector, SITE_VECTORS, lanes, error)) {
+        return HAFT_ERROR_MEMORY;
+    }
     t->pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
     t->hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
     t->matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
-    t->range = haft_memory_alloc(sites, sizeof(double), error);
-    t->reach = haft_memory_alloc(sites, sizeof(double), error);
-    t->far = haft_memory_alloc(sites, sizeof(double), error);
-    t->gap_before = haft_memory_alloc(sites, sizeof(double), error);
-    t->gap_after = haft_memory_alloc(sites, sizeof(double), error);
-    t->site_stiffness = haft_memory_alloc(sites, sizeof(double), error);
-    bool scratch = true;
-    for (int i = 0; i < HAFT_SITE_SCRATCH; i++) {
-        t->site[i] = haft_memory_alloc(haft_law_lanes(sites), sizeof(double), error);
-        scratch = scratch && t->site[i] != NULL;
+    if (t->pair == NULL || t->hessian == NULL || t->matrix == NULL) {
+        return HAFT_ERROR_MEMORY;
     }
-    bool all = scratch && t->pair && t->hessian && t->matrix && t->range && t->reach && t->far &&
-               t->gap_before && t->gap_after && t->site_stiffness;
-    return all ? HAFT_OK : HAFT_ERROR_MEMORY;
+    return haft_diagonals_create(&t->mass, t->n, t->model->column, t->model->row, t->model->mass,
+                                 error);
 }
 
 /* Share of the greatest pull below which a law counts as nil for the step's size. */
@@ -223,23 +251,15 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     haft_tracker *t = *tracker;
     haft_corrector_destroy(&t->corrector);
     haft_factor_destroy(&t->factor);
-    double **vector[VECTORS];
+    double **vector[VECTORS], **site_vector[SITE_VECTORS];
     list_vectors(t, vector);
-    for (int i = 0; i < VECTORS; i++) {
-        haft_memory_free(*vector[i]);
-    }
+    list_site_vectors(t, site_vector);
+    free_list(vector, VECTORS);
+    free_list(site_vector, SITE_VECTORS);
+    haft_diagonals_destroy(&t->mass);
     haft_memory_free(t->pair);
     haft_memory_free(t->hessian);
     haft_memory_free(t->matrix);
-    haft_memory_free(t->range);
-    haft_memory_free(t->reach);
-    haft_memory_free(t->far);
-    haft_memory_free(t->gap_before);
-    haft_memory_free(t->gap_after);
-    haft_memory_free(t->site_stiffness);
-    for (int i = 0; i < HAFT_SITE_SCRATCH; i++) {
-        haft_memory_free(t->site[i]);
-    }
     haft_law_rows_destroy(&t->rows);
     haft_memory_free(t);
     *tracker = NULL;

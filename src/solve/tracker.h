@@ -9,14 +9,17 @@
 #ifndef HAFT_SOLVE_TRACKER_H
 #define HAFT_SOLVE_TRACKER_H
 
+#include "diagonals.h"
 #include "factor.h"
 #include "haft/solve.h"
 
 /* An equilibrium, or a state on the way to one. */
 typedef struct haft_state {
     double *u;
+    double *gap; /* of each site [m], as evaluated; inert sites' are not kept */
     double load;
     haft_energy energy; /* [J] */
+    double crack;       /* [m], NaN while nobody has asked for it */
 } haft_state;
 
 /* First and second derivatives of a branch by its control. */
@@ -38,7 +41,7 @@ typedef struct haft_control {
 
 typedef struct haft_corrector haft_corrector;
 
-enum { HAFT_SITE_SCRATCH = 6 };
+enum { HAFT_SITE_SCRATCH = 5 };
 
 typedef struct haft_tracker {
     const haft_model *model;
@@ -53,20 +56,24 @@ typedef struct haft_tracker {
     haft_factor *factor;         /* of the Hessian last asked for */
     haft_corrector *corrector;
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
-    double *solution;                    /* n: H^-1 b at the state last certified */
-    double *mode;                        /* n: eigenvector estimate of the smallest eigenvalue */
-    double *scratch[4];                  /* n each */
-    double *stage[3];                    /* n each: the flow's stages */
-    double *pair;                        /* 2 n: two right-hand sides solved together */
-    double *gap_before, *gap_after;      /* sites each */
-    double *site[HAFT_SITE_SCRATCH];     /* haft_law_lanes(sites) each: scratch */
-    double *site_stiffness;              /* sites: at the state last certified, for refinement */
-    haft_state here, next, spare;        /* accepted, tried, and the flow's second */
-    haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
-    haft_branch rebased;    /* start, kept while another control is tried */
-    double *null;           /* n: null vector at a fold */
-    bool needs_refinement;  /* the factors alone lose too many digits */
-    size_t not_finite;      /* evaluations that were not, since the last accepted state */
+    double *gap;                         /* sites: at the state last evaluated [m] */
+    double *gap_predicted;               /* sites: where the corrector started from [m] */
+    haft_diagonals *mass;
+    double *solution;                /* n: H^-1 b at the state last certified */
+    double *motion;                  /* sites: what that is of their displacements */
+    double *mode;                    /* n: eigenvector estimate of the smallest eigenvalue */
+    double *scratch[4];              /* n each */
+    double *stage[3];                /* n each: the flow's stages */
+    double *pair;                    /* 2 n: two right-hand sides solved together */
+    double *gap_before;              /* sites: before a jump [m] */
+    double *site[HAFT_SITE_SCRATCH]; /* haft_law_lanes(sites) each: scratch */
+    double *site_stiffness;          /* sites: at the state last certified, for refinement */
+    haft_state here, next, spare;    /* accepted, tried, and the flow's second */
+    haft_branch start, end;          /* derivatives at `here` leaving it and at `next` arriving */
+    haft_branch rebased;             /* start, kept while another control is tried */
+    double *null;                    /* n: null vector at a fold */
+    bool needs_refinement;           /* the factors alone lose too many digits */
+    size_t not_finite;               /* evaluations that were not, since the last accepted state */
     haft_path_cost cost;
 } haft_tracker;
 
@@ -76,12 +83,12 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
                                 haft_error *error);
 void haft_tracker_destroy(haft_tracker **tracker);
 
-/* Evaluates energy, gradient and Hessian at u under a scaled load into the tracker.
+/* Evaluates energy, gradient, Hessian and gaps at u under a scaled load into the tracker.
  * @return false if anything is not finite. */
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale);
 
-/* The gradient alone; the Hessian at hand stays. */
+/* The gradient alone; the Hessian and gaps at hand stay. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load);
 
 /* Solves in place with the factor at hand. */
@@ -115,8 +122,18 @@ static inline double haft_tracker_length(const haft_tracker *t, size_t site, dou
     return t->range[site] + (beyond > 0 ? beyond : 0);
 }
 
-/* Largest move of a gap from state u by the displacement v, in the lengths above. */
-double haft_tracker_move(const haft_tracker *t, const double *u, const double *v, size_t *site);
+/* Largest of the sites' motions [m] at the gaps given, in the lengths above, and whose it is (site
+ * may be NULL). */
+double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
+                             size_t *site);
+
+/* The same for the motions that a displacement v of the unknowns makes, and for those from one
+ * state's gaps to another's. */
+double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site);
+double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to);
+
+/* Crack length of a state [m], computed once. */
+double haft_tracker_crack(const haft_tracker *t, haft_state *state);
 
 /* ---- corrector.c: KINSOL on the bordered system
  * --------------------------------------------------- */
@@ -172,7 +189,7 @@ typedef struct haft_step {
     double defect;  /* energy gained - work [J] */
     double allowed; /* what the defect may be [J] */
     double dip;     /* share of dtau at which the load's rate is least */
-    double moved;   /* largest move of a gap between prediction and solution, in lengths */
+    double moved;   /* largest way of a gap between prediction and solution, in lengths */
     haft_inertia inertia;
 } haft_step;
 

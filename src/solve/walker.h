@@ -22,11 +22,9 @@ void haft_walker_swap(haft_tracker *t);
 void haft_walker_book(haft_walker *w, double work, double dissipated);
 void haft_walker_record(haft_walker *w, int jump);
 
-/* Crack length of a state, by how much it exceeds the one asked for, and whether it ends the
- * loading. */
-double haft_walker_crack(const haft_tracker *t, const haft_state *state);
-double haft_walker_excess(const haft_walker *w, const haft_state *state);
-bool haft_walker_reached(const haft_walker *w, const haft_state *state);
+/* By how much a state's crack exceeds the one asked for, and whether it ends the loading. */
+double haft_walker_excess(const haft_walker *w, haft_state *state);
+bool haft_walker_reached(const haft_walker *w, haft_state *state);
 
 /* ---- step.c ---- */
 

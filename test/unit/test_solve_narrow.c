@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The narrow factorization against GSL's dense LU and eigenvalues, on random matrices of every
- * parity and of beams' own pattern, definite and not; and what it is not for. */
+ * parity and of beams' own pattern, definite and not; and what it is not for. Products by diagonals
+ * against the whole matrix. */
 #include "check.h"
 
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_linalg.h>
 
+#include "solve/diagonals.h"
 #include "solve/narrow.h"
 
 enum { MOST = 41, BAND = 3 };
@@ -134,6 +136,32 @@ static void tells_the_inertia(void **state) {
     assert_true(seen[0] > 0 && seen[1] > 0 && seen[5] > 0);
 }
 
+/* y + 0.5 A x, of the narrow and of the smallest matrices. */
+static void multiplies_by_diagonals(void **state) {
+    (void)state;
+    haft_error error = {0};
+    for (size_t n = 1; n <= MOST; n++) {
+        banded m;
+        draw(&m, n, n % 2, 0, n);
+        double x[MOST], y[MOST];
+        for (size_t i = 0; i < n; i++) {
+            x[i] = cos((double)(i * i));
+            y[i] = sin((double)i);
+        }
+        haft_diagonals *diagonals = NULL;
+        check_ok(haft_diagonals_create(&diagonals, n, m.column, m.row, m.value, &error), error);
+        haft_diagonals_multiply(diagonals, 0.5, x, y);
+        for (size_t i = 0; i < n; i++) {
+            long double sum = sin((double)i);
+            for (size_t j = 0; j < n; j++) {
+                sum += 0.5L * m.full[i][j] * x[j];
+            }
+            assert_true(fabs((double)(y[i] - sum)) < 2e-15);
+        }
+        haft_diagonals_destroy(&diagonals);
+    }
+}
+
 /* Nothing of an earlier matrix stays. */
 static void factors_anew(void **state) {
     (void)state;
@@ -211,11 +239,9 @@ static void leaves_other_patterns(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(solves_definite_matrices),
-        cmocka_unit_test(tells_the_inertia),
-        cmocka_unit_test(factors_anew),
-        cmocka_unit_test(refuses_what_cannot_be_factored),
-        cmocka_unit_test(leaves_other_patterns),
+        cmocka_unit_test(solves_definite_matrices),        cmocka_unit_test(tells_the_inertia),
+        cmocka_unit_test(multiplies_by_diagonals),         cmocka_unit_test(factors_anew),
+        cmocka_unit_test(refuses_what_cannot_be_factored), cmocka_unit_test(leaves_other_patterns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Products with a matrix that has few diagonals, private to the room. */
+#ifndef HAFT_SOLVE_DIAGONALS_H
+#define HAFT_SOLVE_DIAGONALS_H
+
+#include "haft/base.h"
+
+typedef struct haft_diagonals haft_diagonals;
+
+/* The matrix in compressed columns, n by n; symmetric, so that its columns are its rows. */
+haft_status haft_diagonals_create(haft_diagonals **out, size_t n, const int *column, const int *row,
+                                  const double *values, haft_error *error);
+void haft_diagonals_destroy(haft_diagonals **diagonals);
+
+/* y += factor * A x. Thread-safe. */
+void haft_diagonals_multiply(const haft_diagonals *diagonals, double factor, const double *x,
+                             double *y);
+
+#endif
