@@ -22,6 +22,9 @@ enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
  * not be lost in it, or it could end on the side it came from. */
 #define ERROR_SHARE 0.1
 
+/* No departure is shorter than this, in lengths: forces differ by their rounding alone there. */
+#define LEAST_DEPARTURE 1e-6
+
 /* Bounds of a change of the step size, and its margin. */
 #define GROWTH 4.0
 #define SHRINKAGE 0.25
@@ -111,16 +114,19 @@ static bool is_arriving(haft_tracker *t, const haft_state *state) {
     return haft_tracker_move(t, state->gap, step, NULL) < ARRIVAL;
 }
 
-/* Finishes by KINSOL from an arriving state; the result must be near it, stable, and no higher: by
- * the knots of a table Newton can go back to the fold that the flow came from, a hill nearby. */
-static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *landed) {
+/* Finishes by KINSOL from an arriving state; the result must be near it, stable, and neither higher
+ * nor back at the fold that the flow came from, which it left by `departure` lengths: by the knots
+ * of a table Newton can go back there, over a hill too low to show in the energy. */
+static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *landed,
+                   double departure) {
     memcpy(landed->u, flowing->u, t->n * sizeof(double));
     landed->load = flowing->load;
     haft_control load = {NULL, 0};
     if (!haft_corrector_solve(t, load, flowing->load, landed)) {
         return false;
     }
-    if (haft_tracker_way(t, flowing->gap, landed->gap) > 2 * ARRIVAL) {
+    if (haft_tracker_way(t, flowing->gap, landed->gap) > 2 * ARRIVAL ||
+        haft_tracker_way(t, t->here.gap, landed->gap) < 0.5 * departure) {
         return false;
     }
     double rise = haft_tracker_potential(t, landed) - haft_tracker_potential(t, flowing);
@@ -147,21 +153,31 @@ static bool evaluate_state(haft_tracker *t, haft_state *state) {
     return finite;
 }
 
-/* Puts `from` a little off the fold; @return a first step size, or NaN if it cannot be evaluated.
- */
-static double depart(haft_tracker *t, haft_state *from, const double *away) {
+/* Puts `from` off the fold by `move` lengths. @return the rate at which it goes on from there, NaN
+ * if it cannot be evaluated. */
+static double depart_by(haft_tracker *t, haft_state *from, const double *away, double move) {
     double *v = t->scratch[2];
-    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, away, NULL);
+    double amplitude = move / haft_tracker_move(t, t->here.gap, away, NULL);
     for (size_t i = 0; i < t->n; i++) {
         v[i] = amplitude * away[i];
         from->u[i] = t->here.u[i] + v[i];
     }
     from->load = t->here.load;
-    if (!evaluate_state(t, from)) {
-        return NAN;
+    return evaluate_state(t, from) ? departure_rate(t, v) : NAN;
+}
+
+/* Puts `from` so little off the fold that the energy still falls there: what lies beyond may be a
+ * valley narrower than the usual departure. @return a first step size, or NaN if it cannot be
+ * evaluated. */
+static double depart(haft_tracker *t, haft_state *from, const double *away, double *move) {
+    for (*move = HAFT_DEPARTURE_MOVE; *move > LEAST_DEPARTURE; *move /= 4) {
+        double rate = depart_by(t, from, away, *move);
+        if (!(rate <= 0)) {
+            return 0.1 / rate;
+        }
     }
-    double rate = departure_rate(t, v);
-    return rate > 0 ? 0.1 / rate : 1e-9;
+    *move = HAFT_DEPARTURE_MOVE;
+    return isnan(depart_by(t, from, away, *move)) ? NAN : 1e-9;
 }
 
 static void swap(haft_state *a, haft_state *b) {
@@ -188,13 +204,13 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
 
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
     haft_state *from = &t->spare, *to = &t->next;
-    double dt = depart(t, from, away);
+    double departure = 0, dt = depart(t, from, away, &departure);
     if (isnan(dt)) {
         return HAFT_OUTCOME_NOT_FINITE;
     }
     to->load = from->load;
     double speed = INFINITY; /* of the gaps, in lengths a unit of time */
-    double allowed = fmin(t->options.flow_step, ERROR_SHARE * HAFT_DEPARTURE_MOVE);
+    double allowed = fmin(t->options.flow_step, ERROR_SHARE * departure);
     for (*steps = 0; *steps < FLOW_STEPS;) {
         double move = 0;
         double error = try_step(t, from, to, dt, &move);
@@ -224,7 +240,7 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         bool slows = move / before < speed;
         speed = move / before;
         if (slows && move < SETTLING && is_arriving(t, from)) {
-            if (arrive(t, from, to)) {
+            if (arrive(t, from, to, departure)) {
                 swap(&t->here, to);
                 return HAFT_OUTCOME_STUCK;
             }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Laws as tables of noisy points: their slope has a knot every tenth of a nanometre, and the branch
- * is full of small folds. Each jump must lose energy and none come back to the fold it came from.
- */
+ * is full of small folds. Each jump must lose energy and none come back to the fold it came from,
+ * be the valley it leads to ever so narrow. */
 #include "random_beam.h"
 
 enum { POINTS = 221 };
@@ -54,7 +54,105 @@ static void every_jump_goes_down(void **state) {
     check_less(ledger, 1e-6);
 }
 
+/* A spring over a law of fine, noisy points: valleys narrower than what a fold is left by. Loads of
+ * the folds against those of the load's own curve, walked along in small steps. */
+#define SPRING_GAP 100e-9
+#define SPRING_AREA 1e-12
+
+enum { FINE = 400, WALK = 1 << 21, FOLDS = 400 };
+
+/* A pull of 1 MPa over 8 nm, its points off by so much that the spring is now and then too soft. */
+static double make_fine_table(uint64_t seed, double step, haft_law_table **table) {
+    double d[FINE], f[FINE], z[FINE], length = step * (FINE - 1);
+    haft_error error = {0};
+    haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 2, 0, 0, FINE, z);
+    double steepest = 0.5e6 * M_PI / length;
+    for (int i = 0; i < FINE; i++) {
+        double s = (double)i / (FINE - 1);
+        d[i] = i == 0 ? 9e-9 : 10e-9 + step * i; /* a wall in front */
+        f[i] = i == 0 ? 5e6
+                      : -0.5e6 * (1 + cos(M_PI * s)) +
+                            (i < FINE - 1 ? 0.05 * steepest * step * z[i] : 0);
+    }
+    check_ok(haft_law_table_create(table, FINE, d, f, &error), error);
+    return steepest;
+}
+
+/* Load that holds the spring at displacement w. */
+static double load_at(const haft_law *law, double k, double w) {
+    return k * w + SPRING_AREA * haft_law_evaluate(law, SPRING_GAP - w).force;
+}
+
+/* Loads of the folds met in loading from 0 up to `limit`, in order; how many. */
+static int walk(const haft_law *law, double k, double limit, double *fold) {
+    int folds = 0;
+    double dw = 0.9 * SPRING_GAP / WALK, highest = -INFINITY;
+    bool falling = false;
+    for (int i = 0; i <= WALK && highest < limit; i++) {
+        double load = load_at(law, k, i * dw);
+        if (load >= highest) {
+            highest = load;
+            falling = false;
+        } else if (!falling) {
+            assert_true(folds < FOLDS);
+            fold[folds++] = highest;
+            falling = true;
+        }
+    }
+    return folds;
+}
+
+static haft_model *spring(double k) {
+    haft_element element = {.dof = {0, -1, -1, -1}, .mode = {{1}}, .stiffness = {1}, .mass = {1}};
+    haft_site site = {.area = SPRING_AREA, .dof = {0, -1, -1, -1}, .shape = {SPRING_GAP}};
+    haft_model_parts parts = {.dofs = 1,
+                              .energy_unit = k * SPRING_GAP * SPRING_GAP,
+                              .gap = SPRING_GAP,
+                              .elements = 1,
+                              .element = &element,
+                              .sites = 1,
+                              .site = &site,
+                              .load = site};
+    haft_model *model = NULL;
+    haft_error error = {0};
+    check_ok(haft_model_create(&model, &parts, &error), error);
+    return model;
+}
+
+static void narrow_valleys_are_left_for_good(void **state) {
+    (void)state;
+    int all = 0;
+    double worst = 0;
+    for (uint64_t seed = 1; seed <= 10; seed++) {
+        haft_law_table *table = NULL;
+        double k = 1.05 * SPRING_AREA * make_fine_table(seed, 0.02e-9, &table);
+        double limit = k * 0.9 * SPRING_GAP, fold[FOLDS];
+        haft_law law = haft_law_from_table(table);
+        int folds = walk(&law, k, limit, fold);
+        haft_model *model = spring(k);
+        haft_programme programme = {-1, 0.01, limit};
+        haft_path_options options = {.ledger_tolerance = 1e-7};
+        haft_path *path = NULL;
+        haft_error error = {0};
+        check_ok(haft_solve_path(&path, model, &law, &programme, &options, &error), error);
+        assert_int_equal(path->outcome, HAFT_OUTCOME_FREE);
+        assert_true(folds > 15 && path->jumps >= (size_t)folds);
+        for (int i = 0; i < folds; i++) {
+            assert_int_equal(path->jump[i].phase, 0);
+            worst = fmax(worst, fabs(path->jump[i].load / fold[i] - 1));
+        }
+        assert_int_equal(path->jump[folds].phase, 1);
+        all += folds;
+        haft_path_destroy(&path);
+        haft_model_destroy(&model);
+        haft_law_table_destroy(&table);
+    }
+    print_message("  %d folds, loads within %.1e of the curve's own\n", all, worst);
+    check_less(worst, 2e-10);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_jump_goes_down)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_jump_goes_down),
+                                       cmocka_unit_test(narrow_valleys_are_left_for_good)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
