@@ -10,7 +10,7 @@
 enum { LANES = HAFT_LAW_LANES, COLUMNS = 10 };
 
 struct haft_law_rows {
-    size_t stride;
+    size_t laws, stride;
     double *value;                /* COLUMNS rows of the wings' numbers, stride each */
     size_t tables;                /* how many there are */
     const haft_law_table **table; /* laws: NULL where not one */
@@ -32,6 +32,7 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
     if (rows == NULL) {
         return HAFT_ERROR_MEMORY;
     }
+    rows->laws = n;
     rows->stride = haft_law_lanes(n);
     rows->value = haft_memory_alloc(COLUMNS * rows->stride, sizeof *rows->value, error);
     rows->table = haft_memory_alloc(n, sizeof *rows->table, error);
@@ -94,15 +95,19 @@ static inline void evaluate_lanes(const double *v, size_t stride, const double *
     }
 }
 
+static inline void set_nil(const haft_law_values *out, size_t i) {
+    memset(out->force + i, 0, LANES * sizeof(double));
+    memset(out->slope + i, 0, LANES * sizeof(double));
+    memset(out->curvature + i, 0, LANES * sizeof(double));
+    memset(out->potential + i, 0, LANES * sizeof(double));
+}
+
 HAFT_CLONES static void evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
                                        const double *d, const haft_law_values *out) {
     for (size_t i = 0; i < n; i += LANES) {
         const double *v = rows->value + first + i;
         if (all_nil(v, rows->stride, d + i)) {
-            memset(out->force + i, 0, LANES * sizeof(double));
-            memset(out->slope + i, 0, LANES * sizeof(double));
-            memset(out->curvature + i, 0, LANES * sizeof(double));
-            memset(out->potential + i, 0, LANES * sizeof(double));
+            set_nil(out, i);
             continue;
         }
         evaluate_lanes(v, rows->stride, d + i, out->force + i, out->slope + i, out->curvature + i,
@@ -112,7 +117,11 @@ HAFT_CLONES static void evaluate_wings(const haft_law_rows *rows, size_t first, 
 
 void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             const haft_law_values *out) {
-    evaluate_wings(rows, first, n, d, out);
+    if (rows->tables < rows->laws) {
+        evaluate_wings(rows, first, n, d, out);
+    } else if (n > 0) {
+        set_nil(out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
+    }
     for (size_t i = 0; i < n && rows->tables > 0; i++) {
         if (rows->table[first + i] != NULL) {
             haft_law_value x = haft_law_table_evaluate(rows->table[first + i], d[i]);
