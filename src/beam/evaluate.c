@@ -152,13 +152,16 @@ HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double uni
     return sum;
 }
 
-static double largest_term(const haft_model *model, const haft_stretch *s, const double *force) {
-    double largest = 0;
-    for (size_t i = 0; i < s->sites; i++) {
-        const haft_site *site = &model->site[s->first + i];
-        for (int k = 0; k < site->terms && force[i] != 0; k++) {
-            largest = larger(largest, fabs(force[i] * site->shape[k]));
+/* The largest term that n sites, in whole lanes, give the gradient. */
+HAFT_CLONES static double largest_term(const double *top, size_t n, const double *force) {
+    double part[HAFT_LAW_LANES] = {0}, largest = 0;
+    for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
+        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+            part[k] = larger(fabs(force[i + k]) * top[i + k], part[k]);
         }
+    }
+    for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+        largest = larger(largest, part[k]);
     }
     return largest;
 }
@@ -180,7 +183,8 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
                                 &state, &pushed);
         haft_stretch_assemble(model, s, state.force, state.slope, gradient, hessian);
         if (largest != NULL) {
-            *largest = larger(*largest, largest_term(model, s, state.force));
+            const double *top = model->layout->top + s->first;
+            *largest = larger(*largest, largest_term(top, s->sites, state.force));
         }
     }
     *rounding += pushed * model->gap;

@@ -4,6 +4,7 @@
  * a mesh with a node at each, a site is one unknown and one entry. */
 #include "sites.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { LANES = HAFT_LAW_LANES, ENTRIES = HAFT_SPAN * HAFT_SPAN };
@@ -43,6 +44,9 @@ static void fill(haft_layout *layout, const haft_model *model) {
         const double *shape = model->site[r].shape;
         double *share = layout->share + r * HAFT_SHARES;
         layout->area[r] = model->site[r].area;
+        for (int k = 0; k < model->site[r].terms; k++) {
+            layout->top[r] = fmax(layout->top[r], fabs(shape[k]));
+        }
         layout->dof[r] = model->site[r].dof[0];
         layout->slot[r] = r < model->inert ? -1 : model->site_slot[r * ENTRIES];
         for (size_t i = 0; i < HAFT_SPAN; i++) {
@@ -67,11 +71,12 @@ haft_status haft_layout_create(haft_layout **out, const haft_model *model, haft_
     layout->run = haft_memory_alloc(sites, sizeof *layout->run, error);
     layout->shape = haft_memory_alloc(HAFT_SPAN * layout->stride, sizeof(double), error);
     layout->area = haft_memory_alloc(layout->stride, sizeof(double), error);
+    layout->top = haft_memory_alloc(layout->stride, sizeof(double), error);
     layout->share = haft_memory_alloc(HAFT_SHARES * sites, sizeof(double), error);
     layout->dof = haft_memory_alloc(sites, sizeof *layout->dof, error);
     layout->slot = haft_memory_alloc(sites, sizeof *layout->slot, error);
-    if (!layout->stretch || !layout->run || !layout->shape || !layout->area || !layout->share ||
-        !layout->dof || !layout->slot) {
+    if (!layout->stretch || !layout->run || !layout->shape || !layout->area || !layout->top ||
+        !layout->share || !layout->dof || !layout->slot) {
         haft_layout_destroy(&layout);
         return HAFT_ERROR_MEMORY;
     }
@@ -89,6 +94,7 @@ void haft_layout_destroy(haft_layout **layout) {
     haft_memory_free((*layout)->run);
     haft_memory_free((*layout)->shape);
     haft_memory_free((*layout)->area);
+    haft_memory_free((*layout)->top);
     haft_memory_free((*layout)->share);
     haft_memory_free((*layout)->dof);
     haft_memory_free((*layout)->slot);

@@ -34,6 +34,7 @@ struct haft_layout {
     haft_run *run;
     double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
     double *area;    /* stride: [m^2], nil from the last site on */
+    double *top;     /* stride: the greatest of a site's shapes in size [m] */
     double *share;   /* HAFT_SHARES a site */
     int *dof, *slot; /* of each site: its first unknown, and that one's place on the diagonal */
 };

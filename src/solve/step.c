@@ -28,6 +28,21 @@ static haft_control choose_control(haft_tracker *t) {
     return (haft_control){&t->model->site[site], site};
 }
 
+/* Derivatives at `here` by the step's control: those that the last step arrived with, unless it
+ * ended where the two sides differ. */
+static void derive(haft_walker *w, const haft_step *step) {
+    haft_tracker *t = w->t;
+    if (!w->arrived) {
+        haft_branch_derive(t, &t->here, step->control, step->sign, &t->start);
+        return;
+    }
+    haft_branch arrived = t->end;
+    t->end = t->start;
+    t->start = arrived;
+    haft_branch_rebase(t, step->control, &t->start);
+    w->arrived = false;
+}
+
 /* Sets out from `here`: control, derivatives on the side of the motion, a step of eta lengths. */
 static void depart(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
@@ -35,7 +50,7 @@ static void depart(haft_walker *w, haft_step *step) {
     const haft_site *site = step->control.site;
     double rate = site == NULL ? 1 : haft_tracker_row(t, site, t->solution);
     step->sign = rate * w->direction > 0 ? 1 : -1;
-    haft_branch_derive(t, &t->here, step->control, step->sign, &t->start);
+    derive(w, step);
     double size = 1;
     if (site != NULL) {
         double length =
@@ -91,12 +106,14 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
         double turned = haft_branch_rebase(t, step->control, &t->start);
         step->sign = turned > 0 ? step->sign : -step->sign;
         step->dtau = target / t->model->gap;
+        step->at_kink = true;
     }
 }
 
 /* Accepts `next` and adapts the step by what the ledger and the corrector left of their margins. */
 static void accept(haft_walker *w, const haft_step *step) {
     haft_walker_swap(w->t);
+    w->arrived = !step->at_kink;
     w->t->cost.steps++;
     haft_walker_book(w, step->work, 0);
     haft_walker_record(w, -1);
@@ -176,7 +193,7 @@ static bool stop_at_load(haft_walker *w, haft_step *step, double load) {
 
 haft_outcome haft_walker_advance(haft_walker *w) {
     haft_tracker *t = w->t;
-    haft_step step;
+    haft_step step = {.at_kink = false};
     depart(w, &step);
     stop_at_kink(w, &step);
     double limit = w->direction > 0 ? t->programme.load_limit / t->load_unit : 0;

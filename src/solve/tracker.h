@@ -183,7 +183,8 @@ typedef enum haft_step_result {
 /* A step tried: `next`, its certificate and its ledger. */
 typedef struct haft_step {
     haft_control control;
-    int sign; /* of dtau */
+    int sign;     /* of dtau */
+    bool at_kink; /* it was to end on a law's kink */
     double dtau;
     double work;    /* of the load [J] */
     double defect;  /* energy gained - work [J] */

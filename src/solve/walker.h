@@ -11,6 +11,7 @@ typedef struct haft_walker {
     haft_ledger ledger;
     int phase, direction; /* of the load: 1 up, -1 down */
     double eta;           /* size of the next step, in lengths */
+    bool arrived;         /* t->end holds the derivatives at `here`, on either side alike */
     bool failed;          /* out of memory: `error` says so */
     haft_error *error;
 } haft_walker;
