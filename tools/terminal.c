@@ -67,22 +67,25 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
         t->shown = 0;
         t->tenth = 0;
     }
-    char left[32];
+    char left[32], say[40] = ""; /* nothing is known of the time left before one more is done */
     double spent = time - t->started;
     size_t own = done - t->before;
-    format_time(left, own > 0 ? spent / (double)own * (double)(total - done) : 0);
+    if (own > 0) {
+        format_time(left, spent / (double)own * (double)(total - done));
+        snprintf(say, sizeof say, ", %s left", left);
+    }
     if (t->live && (time - t->shown > 0.1 || done == total)) {
         t->shown = time;
-        fprintf(stderr, "\r%-6s %6zu of %zu, %3zu %%, %s left   ", stage, done, total,
-                done * 100 / total, left);
+        fprintf(stderr, "\r%-6s %6zu of %zu, %3zu %%%s   ", stage, done, total, done * 100 / total,
+                say);
         if (done == total) {
             format_time(left, spent);
             fprintf(stderr, "\r%-6s %6zu of %zu in %s                \n", stage, done, total, left);
         }
     } else if (!t->live && done * 10 / total > t->tenth) {
         t->tenth = done * 10 / total;
-        fprintf(stderr, "%-6s %6zu of %zu, %3zu %%, %s left\n", stage, done, total,
-                done * 100 / total, left);
+        fprintf(stderr, "%-6s %6zu of %zu, %3zu %%%s\n", stage, done, total, done * 100 / total,
+                say);
     }
 }
 
