@@ -116,9 +116,10 @@ static haft_status draw_humidity(const haft_case *c, const char *folder, const c
                              : status;
 }
 
-int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t) {
+int draw_sweep(const haft_case *c, double greatest, const char *words, const char *case_folder,
+               terminal *t) {
     haft_error error = {0};
-    char folder[PATH_CAPACITY], definitions[512];
+    char folder[PATH_CAPACITY], definitions[512 + DRAW_WORDS_CAPACITY];
     haft_status status = make_out_folder(case_folder, "plots", &error);
     if (status == HAFT_OK) {
         status = case_out_path(folder, case_folder, "plots", &error);
@@ -129,13 +130,14 @@ int draw_sweep(const haft_case *c, double greatest, const char *case_folder, ter
         snprintf(
             definitions, sizeof definitions,
             "swept='%s'; swept_unit='%s'; swept_factor=%g; keys=%zu; paper=%.9g; "
-            "measured=%.9g; confidence=%.9g; gamma_factor=%.9g",
+            "measured=%.9g; confidence=%.9g; gamma_factor=%.9g; choices='%s'",
             haft_sweep_leaf(&c->sweep, 0), unit, factor, c->sweep.keys,
             isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
             isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                          : -1,
             c->stop.confidence,
-            1.5e27 * c->beam.young_modulus * pow(c->beam.gap, 2) * pow(c->beam.thickness, 3));
+            1.5e27 * c->beam.young_modulus * pow(c->beam.gap, 2) * pow(c->beam.thickness, 3),
+            words);
         status = draw_script("sweep", folder, c->title, definitions, &error);
         if (status == HAFT_OK) {
             status = draw_humidity(c, folder, definitions, &error);

@@ -20,8 +20,11 @@ haft_status read_matching_laws(haft_laws **laws, char digest[HAFT_DIGEST_CAPACIT
                                const haft_case *c, const char *path, haft_error *error);
 
 /* Draws the table of a sweep, CASE/out/sweep.csv, into CASE/out/plots; `greatest` of the values of
- * its first key chooses the axis' unit. @return the exit code */
-int draw_sweep(const haft_case *c, double greatest, const char *case_folder, terminal *t);
+ * its first key chooses the axis' unit, and where that key is a choice `words` holds each
+ * variant's, else nothing. @return the exit code */
+enum { DRAW_WORDS_CAPACITY = 2048 };
+int draw_sweep(const haft_case *c, double greatest, const char *words, const char *case_folder,
+               terminal *t);
 
 /* Draws DIR/distributions.csv and DIR/compare.csv, of n cases whose labels hold no space, one a
  * line. */

@@ -285,9 +285,19 @@ int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t) {
     return status == HAFT_OK ? terminal_finish(t, EXIT_OK) : terminal_fail(t, status, &error);
 }
 
+/* The words of a swept choice, one a variant, to stand on the axis; none for a number. */
+static void list_choices(const sweep *s, char *words, size_t capacity) {
+    size_t used = 0;
+    words[0] = '\0';
+    for (size_t i = 0; i < s->variants && used < capacity && s->c[i]->sweep.choice[0]; i++) {
+        used += (size_t)snprintf(words + used, capacity - used, "%s ", s->c[i]->sweep.text[0]);
+    }
+}
+
 int plot_sweep(const haft_case *c, const char *folder, terminal *t) {
     sweep s;
     haft_error error = {0};
+    char words[DRAW_WORDS_CAPACITY] = "";
     double greatest = 0;
     haft_status status = open_sweep(&s, c, folder, &error);
     if (status == HAFT_OK) {
@@ -298,8 +308,9 @@ int plot_sweep(const haft_case *c, const char *folder, terminal *t) {
         for (size_t i = 0; i < s.variants; i++) {
             greatest = fmax(greatest, s.c[i]->sweep.value[0]);
         }
+        list_choices(&s, words, sizeof words);
         close_sweep(&s);
     }
-    return status == HAFT_OK ? draw_sweep(c, greatest, folder, t)
+    return status == HAFT_OK ? draw_sweep(c, greatest, words, folder, t)
                              : terminal_fail(t, status, &error);
 }

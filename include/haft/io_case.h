@@ -213,6 +213,7 @@ typedef struct haft_case {
         const char *key[HAFT_SWEPT_KEYS_MAX];  /**< dotted paths: "beam.l_meso" */
         const char *unit[HAFT_SWEPT_KEYS_MAX]; /**< "1" for a pure number or a choice */
         double value[HAFT_SWEPT_KEYS_MAX];     /**< in `unit`; a choice's place among the choices */
+        bool choice[HAFT_SWEPT_KEYS_MAX];      /**< whether it is one */
         char text[HAFT_SWEPT_KEYS_MAX][HAFT_SWEPT_TEXT_CAPACITY]; /**< as written, or its front */
         char label[HAFT_LABEL_CAPACITY]; /**< fit for a folder's name: "02_l_meso-3um" */
     } sweep;                             /**< of the file */

@@ -93,6 +93,7 @@ static void take_value(haft_case_reader *reader, yaml_document_t *document, int 
     reader->state[key] = good ? HAFT_GOOD : HAFT_BAD;
     sweep->key[sweep->keys] = k->path;
     sweep->unit[sweep->keys] = k->unit != NULL ? k->unit : "1";
+    sweep->choice[sweep->keys] = k->type == HAFT_KEY_CHOICE;
     if (good) {
         sweep->value[sweep->keys] = haft_case_number(reader->c, k);
     }

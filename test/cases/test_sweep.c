@@ -222,6 +222,19 @@ static void a_sweep_is_drawn(void **state) {
     assert_true(exists(&c, "out/plots/sweep.png"));
     assert_true(exists(&c, "out/plots/sweep.svg"));
     case_remove(&c);
+    static const edit kinds[] = {{"asperities:", "# "},
+                                 {"study:", "sweep: {contact.asperities: [islands, summits]}\n"
+                                            "study:"},
+                                 {0}};
+    c = case_create(kinds);
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    must_run(HAFT, ARGS("plot", "--quiet", c.path));
+    char path[400];
+    size_t size;
+    char *svg = read_whole_file(path_in(&c, "out/plots/sweep.svg", path), &size);
+    assert_non_null(memmem(svg, size, "summits", 7)); /* a choice stands on the axis as a word */
+    free(svg);
+    case_remove(&c);
 }
 
 int main(void) {
