@@ -15,6 +15,9 @@
  * turning is at a bifurcation. */
 #define EDGE_STEP 1e-6
 
+/* What a state that is off its branch may miss in the ledger, in units of its rounding. */
+#define OFF_BRANCH 1e4
+
 /* A gap that moves less than this share of the largest move does not choose where a step ends. */
 #define KINK_SHARE 0.05
 
@@ -133,6 +136,17 @@ static void shrink(haft_walker *w, haft_step *step) {
     step->dtau *= factor;
 }
 
+/* Whether a rejected step is sound but for a defect that shorter steps do not lessen: then `here`
+ * is off its branch by what the corrector was allowed in a soft direction, the step is back on it,
+ * and what it misses in the ledger is the energy of that error. */
+static bool is_back_on_branch(const haft_walker *w, const haft_step *step, double defect_before) {
+    const haft_tracker *t = w->t;
+    return step->inertia.negative == 0 && step->moved <= HAFT_CORRECTION_LIMIT &&
+           t->end.load1 * step->sign * w->direction > 0 && w->eta < EDGE_STEP &&
+           fabs(step->defect) > 0.9 * fabs(defect_before) &&
+           fabs(step->defect) < OFF_BRANCH * haft_tracker_rounding(&t->here, &t->next);
+}
+
 /* What the crack's length exceeds the one asked for by where a step of this size ends; NaN if that
  * is no step. */
 static double excess_at(haft_walker *w, haft_step *step, double dtau) {
@@ -197,6 +211,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
     depart(w, &step);
     stop_at_kink(w, &step);
     double limit = w->direction > 0 ? t->programme.load_limit / t->load_unit : 0;
+    double defect_before = INFINITY;
     while (w->eta > LEAST_STEP) {
         haft_step_result result = haft_branch_try(t, &step, w->direction);
         if (result == HAFT_STEP_DIPS) {
@@ -230,6 +245,11 @@ haft_outcome haft_walker_advance(haft_walker *w) {
         if (result == HAFT_STEP_UNSTABLE && !past_load && w->eta < EDGE_STEP) {
             return haft_jump_at_bifurcation(w, &step);
         }
+        if (result == HAFT_STEP_REJECTED && is_back_on_branch(w, &step, defect_before)) {
+            accept(w, &step);
+            return HAFT_OUTCOME_STUCK;
+        }
+        defect_before = step.defect;
         shrink(w, &step);
     }
     return haft_jump_at_crowded_fold(w, &step);
