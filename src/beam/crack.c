@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The crack's tip in the beam's own shape. The beam is cubic in each piece between nodes and patch
- * borders, so the tip is the first root of a cubic, found by bisection inside monotone stretches:
- * exact to round-off and free of the cubic formula's cancellation. */
+ * borders, so the tip is the first root of a cubic, found by Newton's steps and bisection inside
+ * monotone stretches: exact to round-off and free of the cubic formula's cancellation. */
 #include "haft/beam.h"
 
 #include <math.h>
@@ -54,17 +54,21 @@ void haft_model_shape(const haft_model *model, const double *u, double x, double
     *rotation = ((3 * c[3] * xi + 2 * c[2]) * xi + c[1]) / l;
 }
 
-static double bisect(const double c[4], double level, double a, double b) {
-    for (int i = 0; i < 200; i++) {
-        double middle = 0.5 * (a + b);
-        if (middle <= a || middle >= b) {
-            break;
-        }
-        if (cubic(c, middle) >= level) {
-            b = middle;
+/* Where the cubic, monotone from a to b, reaches the level. */
+static double find_root(const double c[4], double level, double a, double b) {
+    double x = 0.5 * (a + b);
+    for (int i = 0; i < 200 && x > a && x < b; i++) {
+        double off = cubic(c, x) - level, slope = (3 * c[3] * x + 2 * c[2]) * x + c[1];
+        if (off >= 0) {
+            b = x;
         } else {
-            a = middle;
+            a = x;
         }
+        double next = x - off / slope;
+        if (fabs(next - x) <= 0x1p-52 * x) {
+            return x;
+        }
+        x = next > a && next < b ? next : 0.5 * (a + b);
     }
     return b;
 }
@@ -91,7 +95,7 @@ static double first_reach(const double c[4], double level, double a, double b) {
     stop[stops] = b;
     for (int i = 0; i < stops; i++) {
         if (cubic(c, stop[i + 1]) >= level) {
-            return bisect(c, level, stop[i], stop[i + 1]);
+            return find_root(c, level, stop[i], stop[i + 1]);
         }
     }
     return NAN;

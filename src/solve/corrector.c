@@ -168,10 +168,11 @@ static bool make_context(haft_corrector *c) {
 #endif
 }
 
+enum { LANES = 8 };
+
 /* sqrt(sum (x w)^2), which KINSOL asks for most: eight sums side by side instead of SUNDIALS' one.
  */
 HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
-    enum { LANES = 8 };
     const double *a = N_VGetArrayPointer(x), *b = N_VGetArrayPointer(w);
     size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
     double part[LANES] = {0}, sum = 0;
@@ -189,6 +190,25 @@ HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
     return sqrt(sum);
 }
 
+/* max |x|, likewise. */
+HAFT_CLONES static sunrealtype max_norm(N_Vector x) {
+    const double *a = N_VGetArrayPointer(x);
+    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
+    double part[LANES] = {0}, most = 0;
+    for (size_t i = 0; i < whole; i += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            part[k] = fabs(a[i + k]) > part[k] ? fabs(a[i + k]) : part[k];
+        }
+    }
+    for (size_t i = whole; i < n; i++) {
+        part[i - whole] = fabs(a[i]) > part[i - whole] ? fabs(a[i]) : part[i - whole];
+    }
+    for (size_t k = 0; k < LANES; k++) {
+        most = part[k] > most ? part[k] : most;
+    }
+    return most;
+}
+
 static bool make_vectors(haft_corrector *c) {
     sunindextype n = (sunindextype)c->tracker->n;
     c->y = N_VNew_Serial(n + 1, c->context);
@@ -202,6 +222,8 @@ static bool make_vectors(haft_corrector *c) {
     }
     c->y->ops->nvwl2norm = weighted_norm; /* and of all that KINSOL makes like it */
     c->f_scale->ops->nvwl2norm = weighted_norm;
+    c->y->ops->nvmaxnorm = max_norm;
+    c->f_scale->ops->nvmaxnorm = max_norm;
     N_VConst(1.0, c->y_scale);
     c->matrix->ops->getid = matrix_kind;
     c->matrix->ops->zero = matrix_zero;

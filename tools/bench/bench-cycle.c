@@ -224,7 +224,7 @@ static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
         haft_path_destroy(&path);
     }
     double middle = median(time, b->beams);
-    printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.1f %7.1f %7.1f %7.0f %8.0f %8.0f %8.0f %8.0f "
+    printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.2f %7.2f %7.2f %7.0f %8.0f %8.0f %8.0f %8.0f "
            "%6.0f "
            "%6.1f\n",
            name[kind], model->dofs, model->nonzeros, middle, time[0], time[b->beams - 1],
