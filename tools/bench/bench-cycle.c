@@ -246,20 +246,31 @@ static double exponent(const double *x, const double *y, int n) {
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-/* Beams of 1 um, thin enough to stick at 110 um, ever longer on patches of 3 um, all of them
- * active: random laws, exact mesh. */
-static void study_sites(const bench *b) {
+/* A way to more sites: beams and patches of each size, and what the table is of. */
+typedef struct growth {
+    const char *title;
+    haft_beam_spec beam;
+    double crack_length, position; /* loaded to and where [m] */
+    double l_meso;                 /* [m]; 0: the beam cut into as many patches as asked for */
+} growth;
+
+/* Median cost of a cycle over random laws, of every number of sites, all of them active, on exact
+ * meshes. */
+static void study_growth(const bench *b, const growth *g) {
     enum { SIZES = 5, BEAMS = 3 };
     static const size_t sites[SIZES] = {50, 100, 200, 500, 1000};
     double n[SIZES], cycle[SIZES], one[SIZES];
-    printf("\nCost against the number of active sites: beams 1 um thick, patches of 3 um, exact "
-           "mesh, median of %d beams\n%8s %8s %12s %8s %10s %18s\n",
-           BEAMS, "sites", "dofs", "cycle [ms]", "steps", "factoriz.", "a factoriz. [us]");
+    printf("\nCost against the number of active sites, exact mesh, median of %d beams: %s\n"
+           "%8s %8s %12s %8s %8s %10s %18s\n",
+           BEAMS, g->title, "sites", "dofs", "cycle [ms]", "steps", "jumps", "factoriz.",
+           "a factoriz. [us]");
     for (int i = 0; i < SIZES; i++) {
         haft_error error = {0};
-        haft_beam_spec beam = {3e-6 * (double)sites[i], 30e-6, 1e-6, 1.9e-6, 163e9};
-        haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 3e-6, 30e-6, 0};
-        haft_programme programme = {60e-6, 0.01, INFINITY};
+        haft_beam_spec beam = g->beam;
+        double l_meso = g->l_meso > 0 ? g->l_meso : beam.length / (double)sites[i];
+        beam.length = l_meso * (double)sites[i];
+        haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, l_meso, g->position, 0};
+        haft_programme programme = {g->crack_length, 0.01, INFINITY};
         haft_model *model = NULL;
         must(haft_model_create_beam(&model, &beam, &mesh, &error), &error);
         double time[BEAMS], each[BEAMS];
@@ -278,12 +289,28 @@ static void study_sites(const bench *b) {
         n[i] = (double)sites[i];
         cycle[i] = median(time, BEAMS);
         one[i] = median(each, BEAMS);
-        printf("%8zu %8zu %12.1f %8.0f %10.0f %18.2f\n", sites[i], model->dofs, 1e3 * cycle[i],
-               cost.steps, cost.factorizations, 1e6 * one[i]);
+        printf("%8zu %8zu %12.1f %8.0f %8.1f %10.0f %18.2f\n", sites[i], model->dofs,
+               1e3 * cycle[i], cost.steps, cost.jumps, cost.factorizations, 1e6 * one[i]);
         haft_model_destroy(&model);
     }
     printf("exponent: cycle %.2f, a factorization with all that goes with it %.2f\n",
            exponent(n, cycle, SIZES), exponent(n, one, SIZES));
+}
+
+/* Sites by a longer beam, whose first snap runs along all of it, and by finer patches of one. */
+static void study_sites(const bench *b) {
+    growth longer = {"ever longer beams 1 um thick, patches of 3 um",
+                     {0, 30e-6, 1e-6, 1.9e-6, 163e9},
+                     60e-6,
+                     30e-6,
+                     3e-6};
+    growth finer = {"a beam of 600 um, ever finer patches",
+                    {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9},
+                    120e-6,
+                    60e-6,
+                    0};
+    study_growth(b, &longer);
+    study_growth(b, &finer);
 }
 
 /* ---- speed against error ---- */
