@@ -225,9 +225,9 @@ static inline bool any(const double *force, const double *stiffness, size_t n) {
     return false;
 }
 
-HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s,
-                                 const double *force, const double *stiffness, double *gradient,
-                                 double *hessian) {
+HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stretch *s,
+                                       const double *force, const double *stiffness,
+                                       double *gradient, double *hessian) {
     const haft_layout *layout = model->layout;
     for (size_t n = 0; n < s->runs; n++) {
         const haft_run *run = &layout->run[s->first_run + n];
@@ -250,11 +250,6 @@ HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s,
             }
         }
     }
-}
-
-void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const double *force,
-                           const double *stiffness, double *gradient, double *hessian) {
-    assemble(model, s, force, stiffness, gradient, hessian);
 }
 
 void haft_model_displacements(const haft_model *model, const double *v, double *w) {

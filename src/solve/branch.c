@@ -272,8 +272,11 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (step->inertia.negative > 0) {
         return turned && step->inertia.negative == 1 ? HAFT_STEP_FOLD : HAFT_STEP_UNSTABLE;
     }
-    if (fabs(step->defect) > step->allowed || turned) {
+    if (turned) {
         return HAFT_STEP_REJECTED;
+    }
+    if (fabs(step->defect) > step->allowed) {
+        return HAFT_STEP_AMISS;
     }
     double depth = 1, where = 0;
     if (step->control.site != NULL &&

@@ -99,10 +99,8 @@ static int conventional_sign(const haft_walker *w) {
     const haft_tracker *t = w->t;
     double most = haft_tracker_move(t, t->here.gap, t->null, NULL);
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        const haft_site *site = &t->model->site[r];
-        double d = t->model->gap - haft_model_displacement(site, t->here.u);
-        double closing = haft_model_displacement(site, t->null);
-        if (fabs(closing) / haft_tracker_length(t, r, d) > 0.999 * most) {
+        double closing = haft_model_displacement(&t->model->site[r], t->null);
+        if (fabs(closing) / haft_tracker_length(t, r, t->here.gap[r]) > 0.999 * most) {
             return closing * w->direction > 0 ? 1 : -1;
         }
     }

@@ -136,14 +136,12 @@ static void shrink(haft_walker *w, haft_step *step) {
     step->dtau *= factor;
 }
 
-/* Whether a rejected step is sound but for a defect that shorter steps do not lessen: then `here`
- * is off its branch by what the corrector was allowed in a soft direction, the step is back on it,
+/* Whether what a sound step misses in the ledger is not lessened by shorter steps: then `here` is
+ * off its branch by what the corrector was allowed in a soft direction, the step is back on it,
  * and what it misses in the ledger is the energy of that error. */
 static bool is_back_on_branch(const haft_walker *w, const haft_step *step, double defect_before) {
     const haft_tracker *t = w->t;
-    return step->inertia.negative == 0 && step->moved <= HAFT_CORRECTION_LIMIT &&
-           t->end.load1 * step->sign * w->direction > 0 && w->eta < EDGE_STEP &&
-           fabs(step->defect) > 0.9 * fabs(defect_before) &&
+    return w->eta < EDGE_STEP && fabs(step->defect) > 0.9 * fabs(defect_before) &&
            fabs(step->defect) < OFF_BRANCH * haft_tracker_rounding(&t->here, &t->next);
 }
 
@@ -245,7 +243,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
         if (result == HAFT_STEP_UNSTABLE && !past_load && w->eta < EDGE_STEP) {
             return haft_jump_at_bifurcation(w, &step);
         }
-        if (result == HAFT_STEP_REJECTED && is_back_on_branch(w, &step, defect_before)) {
+        if (result == HAFT_STEP_AMISS && is_back_on_branch(w, &step, defect_before)) {
             accept(w, &step);
             return HAFT_OUTCOME_STUCK;
         }

@@ -175,6 +175,7 @@ double haft_branch_least_eigenvalue(haft_tracker *t);
 typedef enum haft_step_result {
     HAFT_STEP_TAKEN,
     HAFT_STEP_REJECTED,
+    HAFT_STEP_AMISS,    /* sound, but the ledger misses more energy than is allowed */
     HAFT_STEP_DIPS,     /* sound, but two folds may hide inside: to be cut at step->dip */
     HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */
     HAFT_STEP_UNSTABLE, /* an eigenvalue went negative though the load did not turn */

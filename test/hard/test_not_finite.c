@@ -2,8 +2,8 @@
 /* Laws that are no laws: a number that is NaN, infinite or so large that it overflows, in one field
  * of one site's law. The path must end by itself, with an enumerated reason or a refusal, and keep
  * what it followed before it met the bad law. */
-#include "check.h"
 #include "haft/solve.h"
+#include "single_spring.h"
 
 #include <time.h>
 #include <unistd.h>
@@ -114,19 +114,8 @@ static void a_bad_wall_is_met_only_when_it_is_reached(void **state) {
     haft_law good[SITES];
     make_laws(good);
     double k = 0.05 * area * good[0].f_max * good[0].a_right;
-    haft_element element = {.dof = {0, -1, -1, -1}, .mode = {{1}}, .stiffness = {1}, .mass = {1}};
-    haft_site site = {.area = area, .dof = {0, -1, -1, -1}, .shape = {gap}};
-    haft_model_parts parts = {.dofs = 1,
-                              .energy_unit = k * gap * gap,
-                              .gap = gap,
-                              .elements = 1,
-                              .element = &element,
-                              .sites = 1,
-                              .site = &site,
-                              .load = site};
-    haft_model *model = NULL;
+    haft_model *model = single_spring(k, gap, area);
     haft_error error = {0};
-    check_ok(haft_model_create(&model, &parts, &error), error);
     for (size_t f = 5; f < FIELDS; f++) {
         for (size_t b = 0; b < sizeof bad / sizeof *bad; b++) {
             haft_law law = good[0];

@@ -3,6 +3,7 @@
  * is full of small folds. Each jump must lose energy and none come back to the fold it came from,
  * be the valley it leads to ever so narrow. */
 #include "random_beam.h"
+#include "single_spring.h"
 
 enum { POINTS = 221 };
 
@@ -130,23 +131,6 @@ static int walk(const haft_law *law, double k, double limit, double *fold) {
     return folds;
 }
 
-static haft_model *spring(double k) {
-    haft_element element = {.dof = {0, -1, -1, -1}, .mode = {{1}}, .stiffness = {1}, .mass = {1}};
-    haft_site site = {.area = SPRING_AREA, .dof = {0, -1, -1, -1}, .shape = {SPRING_GAP}};
-    haft_model_parts parts = {.dofs = 1,
-                              .energy_unit = k * SPRING_GAP * SPRING_GAP,
-                              .gap = SPRING_GAP,
-                              .elements = 1,
-                              .element = &element,
-                              .sites = 1,
-                              .site = &site,
-                              .load = site};
-    haft_model *model = NULL;
-    haft_error error = {0};
-    check_ok(haft_model_create(&model, &parts, &error), error);
-    return model;
-}
-
 static void narrow_valleys_are_left_for_good(void **state) {
     (void)state;
     int all = 0;
@@ -157,7 +141,7 @@ static void narrow_valleys_are_left_for_good(void **state) {
         double limit = k * 0.9 * SPRING_GAP, fold[FOLDS];
         haft_law law = haft_law_from_table(table);
         int folds = walk(&law, k, limit, fold);
-        haft_model *model = spring(k);
+        haft_model *model = single_spring(k, SPRING_GAP, SPRING_AREA);
         haft_programme programme = {-1, 0.01, limit};
         haft_path_options options = {.ledger_tolerance = 1e-7};
         haft_path *path = NULL;

@@ -4,8 +4,8 @@
  * a closed form; in front of it, the wall's height must not matter at all. A gap is known to
  * the rounding of the height h it is measured from, so a step's energy to force * h * 2^-53 at
  * best: no ledger may ask for more where the law's range is h / 1e5. */
-#include "check.h"
 #include "haft/solve.h"
+#include "single_spring.h"
 
 static haft_law steep_law(double range, double f_max, double wall) {
     haft_law law;
@@ -16,23 +16,6 @@ static haft_law steep_law(double range, double f_max, double wall) {
     check_relative(law.a_left, 1 / range, 1e-13);
     check_relative(law.a_right, 1 / range, 1e-13);
     return law;
-}
-
-static haft_model *make_spring(double k, double gap, double area) {
-    haft_element element = {.dof = {0, -1, -1, -1}, .mode = {{1}}, .stiffness = {1}, .mass = {1}};
-    haft_site site = {.area = area, .dof = {0, -1, -1, -1}, .shape = {gap}};
-    haft_model_parts parts = {.dofs = 1,
-                              .energy_unit = k * gap * gap,
-                              .gap = gap,
-                              .elements = 1,
-                              .element = &element,
-                              .sites = 1,
-                              .site = &site,
-                              .load = site};
-    haft_model *model = NULL;
-    haft_error error = {0};
-    check_ok(haft_model_create(&model, &parts, &error), error);
-    return model;
 }
 
 /* Loads of the two folds, E (1 - E) = k / (2 A f_max a), and f there. */
@@ -52,7 +35,7 @@ static void a_spring_behind_a_steep_wall(void **state) {
             haft_law law = steep_law(gap / ratio, f_max, wall);
             double k = 0.05 * area * f_max * law.a_right / 2;
             double load = area * wall * 1e3; /* a thousand times the wall's height */
-            haft_model *model = make_spring(k, gap, area);
+            haft_model *model = single_spring(k, gap, area);
             haft_programme programme = {-1, 0.01, load};
             haft_path_options options = {.keep_states = true};
             haft_error error = {0};

@@ -3,8 +3,8 @@
  * d = gap - w the load is P(w) = k w + A f(d), so the folds, k = A f'(d), have closed forms:
  * E (1 - E) = k / (2 A f_max a), E = exp(-a (d - d_max)) on the right wing. Landing and dissipation
  * follow from one scalar equation, solved here in long double. */
-#include "check.h"
 #include "haft/solve.h"
+#include "single_spring.h"
 
 #define GAP 100e-9L
 #define AREA 1e-12L
@@ -24,19 +24,7 @@ static spring make_spring(long double softness) {
              ((long double)s.vector.d_max - (long double)s.vector.d_limit);
     s.right = 1.5L / (s.vector.e / f - 0.5L / s.left);
     s.k = softness * AREA * f * s.right / 2; /* softness < 1 snaps */
-    double unit = (double)(s.k * GAP * GAP);
-    haft_element element = {.dof = {0, -1, -1, -1}, .mode = {{1}}, .stiffness = {1}, .mass = {1}};
-    haft_site site = {.area = (double)AREA, .dof = {0, -1, -1, -1}, .shape = {(double)GAP}};
-    haft_model_parts parts = {.dofs = 1,
-                              .energy_unit = unit,
-                              .gap = (double)GAP,
-                              .elements = 1,
-                              .element = &element,
-                              .sites = 1,
-                              .site = &site,
-                              .load = site};
-    haft_error error = {0};
-    check_ok(haft_model_create(&s.model, &parts, &error), error);
+    s.model = single_spring((double)s.k, (double)GAP, (double)AREA);
     return s;
 }
 
