@@ -39,7 +39,8 @@ typedef enum haft_mesh_kind {
     HAFT_MESH_UNIFORM, /**< every element_length: several sites share an element */
     HAFT_MESH_EXACT,   /**< at every site and at the load: exact, since the beam is cubic between */
     HAFT_MESH_ACTIVE, /**< exact from `active_from` on, one element over the span before (two, where
-                           the load is on it); sites on that span are left out of the contact */
+                           the load is on it); sites on that span are left out of the contact. The
+                           model comes with shorter ones of the same beam */
 } haft_mesh_kind;
 
 /** How a beam is cut into elements, and where its sites and the load are. */
@@ -75,11 +76,14 @@ typedef struct haft_site {
 /** The room's own order of a model's sites. */
 typedef struct haft_layout haft_layout;
 
+/** A discrete structure, haft_model_create() or haft_model_create_beam(). */
+typedef struct haft_model haft_model;
+
 /** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
  *
  *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
  *  node's own element length. `scale[i]` takes unknown i to metres or radians. */
-typedef struct haft_model {
+struct haft_model {
     size_t dofs;           /**< unknowns */
     double *scale;         /**< dofs: [m] or [rad] a unit of each unknown */
     double energy_unit;    /**< [J] */
@@ -100,7 +104,9 @@ typedef struct haft_model {
     int *element_slot;   /**< place of each of an element's 16 entries in the pattern, -1 if none */
     int *site_slot;      /**< and of a site's */
     haft_layout *layout; /**< the sites once more, laid out for evaluation */
-} haft_model;
+    haft_model *shorter; /**< of an active mesh: the same beam and sites, more of them inert, for
+                              states that touch only further on; NULL: none. Owned */
+};
 
 /** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
  *  laws of their own. 0 for the other meshes. Thread-safe. */
@@ -194,6 +200,15 @@ void haft_model_multiply(const haft_model *model, const double *site_stiffness, 
 /** Deflection w [m] and rotation dw/dx of a beam at x: Hermite interpolation of its own shape. */
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
                       double *rotation);
+
+/** The same shape of a beam on another of its meshes: each node of `to` that `from` has takes its
+ *  values, others those of the cubic between. Exact where the beam is cubic between the nodes of
+ *  either: where the sites in which they differ bear no force.
+ *  @param[in] from the mesh of `u`
+ *  @param[in] to another active mesh of the same beam
+ *  @param[in] u dofs of `from`
+ *  @param[out] out dofs of `to`, not `u`. Thread-safe. */
+void haft_model_carry(const haft_model *from, const haft_model *to, const double *u, double *out);
 
 /** Length from the clamp to the first point where the attraction of the patch above it is felt,
  *  d(x) <= reach[r], found in the beam's own cubic shape to round-off.

@@ -102,6 +102,8 @@ typedef struct haft_path_cost {
     size_t solves;            /**< with a factored Hessian */
     size_t folds;             /**< located */
     size_t flow_steps;        /**< of all landings */
+    size_t unknowns;          /**< of the factorizations together: on the shorter ones of an active
+                                   mesh they have fewer than the model. Not kept in files */
 } haft_path_cost;
 
 /** A path, grown by haft_solve_path() and owned by the caller. */

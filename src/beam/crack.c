@@ -54,6 +54,25 @@ void haft_model_shape(const haft_model *model, const double *u, double x, double
     *rotation = ((3 * c[3] * xi + 2 * c[2]) * xi + c[1]) / l;
 }
 
+void haft_model_carry(const haft_model *from, const haft_model *to, const double *u, double *out) {
+    size_t at = 1;
+    for (size_t node = 1; node < to->nodes; node++) {
+        double x = to->node_x[node], value[2];
+        while (at + 1 < from->nodes && from->node_x[at] < x) {
+            at++;
+        }
+        if (from->node_x[at] == x) {
+            value[0] = node_value(from, u, at, 0);
+            value[1] = node_value(from, u, at, 1);
+        } else {
+            haft_model_shape(from, u, x, &value[0], &value[1]);
+        }
+        size_t i = 2 * (node - 1);
+        out[i] = value[0] / to->scale[i];
+        out[i + 1] = value[1] / to->scale[i + 1];
+    }
+}
+
 /* Where the cubic, monotone from a to b, reaches the level. */
 static double find_root(const double c[4], double level, double a, double b) {
     double x = 0.5 * (a + b);

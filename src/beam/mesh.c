@@ -7,6 +7,11 @@
 #include <math.h>
 #include <string.h>
 
+/* Each shorter mesh has this share of the sites of the one before, and none has less than so many.
+ */
+#define SHORTER_SHARE 0.85
+enum { LEAST_ACTIVE = 24 };
+
 /* Positions closer than this share of the beam's length are the same node. */
 #define NODE_TOLERANCE 1e-9
 
@@ -228,6 +233,37 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
     return status;
 }
 
+static haft_status create_mesh(haft_model **out, const haft_beam_spec *beam,
+                               const haft_mesh_spec *mesh, size_t sites, haft_error *error) {
+    size_t nodes = 0;
+    beam_parts parts = {0};
+    haft_status status = place_nodes(&parts.x, &nodes, beam, mesh, sites, error);
+    if (status == HAFT_OK) {
+        status = build(out, beam, mesh, sites, nodes, &parts, error);
+    }
+    free_parts(&parts);
+    return status;
+}
+
+/* Hangs on a model the shorter ones of its beam. */
+static haft_status add_shorter(haft_model *model, const haft_beam_spec *beam,
+                               const haft_mesh_spec *mesh, haft_error *error) {
+    haft_mesh_spec shorter = *mesh;
+    size_t sites = model->sites;
+    for (haft_model *last = model; last != NULL; last = last->shorter) {
+        size_t active = (size_t)(SHORTER_SHARE * (double)(sites - last->inert));
+        if (active < LEAST_ACTIVE) {
+            break;
+        }
+        shorter.active_from = beam->length * (double)(sites - active) / (double)sites;
+        haft_status status = create_mesh(&last->shorter, beam, &shorter, sites, error);
+        if (status != HAFT_OK) {
+            return status;
+        }
+    }
+    return HAFT_OK;
+}
+
 haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
                                    const haft_mesh_spec *mesh, haft_error *error) {
     *out = NULL;
@@ -248,16 +284,16 @@ haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
                               "the active zone begins at %g m, off the beam of %g m",
                               mesh->active_from, beam->length);
     }
-    size_t sites = 0, nodes = 0;
+    size_t sites = 0;
     haft_status status = count_divisions(beam->length, mesh->l_meso, "l_meso", &sites, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    beam_parts parts = {0};
-    status = place_nodes(&parts.x, &nodes, beam, mesh, sites, error);
     if (status == HAFT_OK) {
-        status = build(out, beam, mesh, sites, nodes, &parts, error);
+        status = create_mesh(out, beam, mesh, sites, error);
     }
-    free_parts(&parts);
+    if (status == HAFT_OK && mesh->kind == HAFT_MESH_ACTIVE) {
+        status = add_shorter(*out, beam, mesh, error);
+    }
+    if (status != HAFT_OK) {
+        haft_model_destroy(out);
+    }
     return status;
 }

@@ -261,6 +261,7 @@ void haft_model_destroy(haft_model **model) {
     haft_memory_free(m->element_slot);
     haft_memory_free(m->site_slot);
     haft_layout_destroy(&m->layout);
+    haft_model_destroy(&m->shorter);
     haft_memory_free(m);
     *model = NULL;
 }

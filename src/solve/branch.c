@@ -79,7 +79,7 @@ bool haft_branch_loses_digits(haft_tracker *t, const double *u) {
 }
 
 haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
-    t->cost.factorizations++;
+    haft_tracker_count_factorization(t);
     if (!haft_factor_update(t->factor, t->hessian)) {
         return (haft_inertia){-1, 0};
     }
@@ -261,6 +261,9 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->moved = haft_tracker_way(t, t->next.gap, t->gap_predicted);
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
+    }
+    if (!haft_tracker_is_clear(t, t->next.u)) {
+        return HAFT_STEP_LEAVES;
     }
     step->inertia = haft_branch_certify(t, t->next.u);
     if (step->inertia.negative < 0) {

@@ -100,7 +100,7 @@ static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
             }
         }
     }
-    t->cost.factorizations++;
+    haft_tracker_count_factorization(t);
     return haft_factor_update(c->factor, t->matrix) ? 0 : 1;
 }
 

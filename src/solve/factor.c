@@ -37,7 +37,8 @@ static haft_status singular(haft_error *error) {
 static haft_status analyse(haft_factor *factor, const double *values, haft_error *error) {
     klu_defaults(&factor->common);
     factor->common.btf = 0;
-    factor->common.scale = 0;
+    factor->common.scale =
+        -1; /* nor is the pattern, which is ours, checked at each refactorization */
     factor->common.tol = 0;
     factor->common.ordering = 0;
     factor->common.halt_if_singular = 1;

@@ -49,7 +49,7 @@ static bool factor_damped(haft_tracker *t, double dt) {
     for (size_t k = 0; k < t->model->nonzeros; k++) {
         t->matrix[k] = t->hessian[k] + t->model->mass[k] / (GAMMA * dt);
     }
-    t->cost.factorizations++;
+    haft_tracker_count_factorization(t);
     return haft_factor_update(t->factor, t->matrix) && haft_factor_inertia(t->factor).negative == 0;
 }
 
@@ -101,7 +101,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
 
 /* Whether the state evaluated last is stable and Newton would move it little. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
-    t->cost.factorizations++;
+    haft_tracker_count_factorization(t);
     if (!haft_factor_update(t->factor, t->hessian) ||
         haft_factor_inertia(t->factor).negative != 0) {
         return false;
@@ -126,7 +126,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
         return false;
     }
     if (haft_tracker_way(t, flowing->gap, landed->gap) > 2 * ARRIVAL ||
-        haft_tracker_way(t, t->here.gap, landed->gap) < 0.5 * departure) {
+        haft_tracker_way(t, t->gap_before, landed->gap) < 0.5 * departure) {
         return false;
     }
     double rise = haft_tracker_potential(t, landed) - haft_tracker_potential(t, flowing);
@@ -157,7 +157,7 @@ static bool evaluate_state(haft_tracker *t, haft_state *state) {
  * if it cannot be evaluated. */
 static double depart_by(haft_tracker *t, haft_state *from, const double *away, double move) {
     double *v = t->scratch[2];
-    double amplitude = move / haft_tracker_move(t, t->here.gap, away, NULL);
+    double amplitude = move / haft_tracker_move(t, t->gap_before, away, NULL);
     for (size_t i = 0; i < t->n; i++) {
         v[i] = amplitude * away[i];
         from->u[i] = t->here.u[i] + v[i];
@@ -202,6 +202,11 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     return haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
 }
 
+/* Goes on from a state on a wider mesh; false if there is none. */
+static bool widen(haft_tracker *t, haft_state *from, const haft_state *to) {
+    return haft_zone_widen(t, from, to->u) && evaluate_state(t, from);
+}
+
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
     haft_state *from = &t->spare, *to = &t->next;
     double departure = 0, dt = depart(t, from, away, &departure);
@@ -227,22 +232,33 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
             }
             continue;
         }
+        if (!haft_tracker_is_clear(t, to->u)) {
+            if (!widen(t, from, to)) {
+                return HAFT_OUTCOME_ZONE_LEFT;
+            }
+            continue;
+        }
         (*steps)++;
         t->cost.flow_steps++;
         swap(from, to);
-        if (!haft_tracker_is_clear(t, from->u)) {
-            return HAFT_OUTCOME_ZONE_LEFT;
+        if (haft_zone_narrow(t, from, to->u)) {
+            evaluate_state(t, from);
         }
         if (allowed < t->options.flow_step) {
             allowed = fmin(t->options.flow_step,
-                           ERROR_SHARE * haft_tracker_way(t, t->here.gap, from->gap));
+                           ERROR_SHARE * haft_tracker_way(t, t->gap_before, from->gap));
         }
         bool slows = move / before < speed;
         speed = move / before;
         if (slows && move < SETTLING && is_arriving(t, from)) {
             if (arrive(t, from, to, departure)) {
-                swap(&t->here, to);
-                return HAFT_OUTCOME_STUCK;
+                if (haft_tracker_is_clear(t, to->u)) {
+                    swap(&t->here, to);
+                    return HAFT_OUTCOME_STUCK;
+                }
+                if (!haft_zone_widen(t, from, to->u)) {
+                    return HAFT_OUTCOME_ZONE_LEFT;
+                }
             }
             if (!haft_tracker_evaluate(t, from->u, from->load, NULL, NULL)) {
                 return HAFT_OUTCOME_NOT_FINITE;

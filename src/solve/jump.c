@@ -19,11 +19,12 @@
 
 static void describe_jump(haft_walker *w, haft_jump *jump) {
     haft_tracker *t = w->t;
-    double closing = 0;
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        bool before = t->gap_before[r] <= t->reach[r], after = t->here.gap[r] <= t->reach[r];
+    double closing = 0, *gap = t->site[0];
+    haft_model_gaps(t->model, t->here.u, gap);
+    for (size_t r = t->whole->inert; r < t->whole->sites; r++) {
+        bool before = t->gap_before[r] <= t->reach[r], after = gap[r] <= t->reach[r];
         jump->sites_switched += before != after;
-        closing += t->gap_before[r] - t->here.gap[r];
+        closing += t->gap_before[r] - gap[r];
     }
     jump->kind = closing > 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT;
 }
@@ -42,9 +43,11 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, dou
     jump.site = (int)site;
     double energy = t->here.energy.strain + t->here.energy.contact;
     double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
-    memcpy(t->gap_before, t->here.gap, t->model->sites * sizeof(double));
+    haft_model_gaps(t->model, t->here.u, t->gap_before);
+    size_t at = t->at;
     haft_outcome outcome = haft_flow_land(t, t->null, &jump.flow_steps);
     if (outcome != HAFT_OUTCOME_STUCK) {
+        haft_zone_enter(t, at);
         return outcome;
     }
     double work = t->here.load * t->model->energy_unit *
@@ -59,6 +62,7 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, dou
         return HAFT_OUTCOME_STUCK;
     }
     haft_walker_record(w, (int)w->path->jumps - 1);
+    haft_walker_narrow(w, NULL);
     return HAFT_OUTCOME_STUCK;
 }
 

@@ -35,6 +35,28 @@ bool haft_walker_reached(const haft_walker *w, haft_state *state) {
     return w->direction > 0 && haft_walker_excess(w, state) <= 0;
 }
 
+/* `here` on the mesh just entered. */
+static void settle(haft_walker *w) {
+    haft_tracker *t = w->t;
+    haft_tracker_evaluate(t, t->here.u, t->here.load, &t->here.energy, NULL);
+    haft_branch_certify(t, t->here.u);
+    w->arrived = false;
+}
+
+bool haft_walker_widen(haft_walker *w) {
+    if (!haft_zone_widen(w->t, &w->t->here, w->t->next.u)) {
+        return false;
+    }
+    settle(w);
+    return true;
+}
+
+void haft_walker_narrow(haft_walker *w, const double *before) {
+    if (haft_zone_narrow(w->t, &w->t->here, before)) {
+        settle(w);
+    }
+}
+
 /* Follows one phase to its end. @return STUCK when it ended as asked. */
 static haft_outcome follow(haft_walker *w) {
     for (;;) {
@@ -45,9 +67,6 @@ static haft_outcome follow(haft_walker *w) {
             return HAFT_OUTCOME_STEP_LIMIT;
         }
         haft_outcome outcome = haft_walker_advance(w);
-        if (!haft_tracker_is_clear(w->t, w->t->here.u)) {
-            return HAFT_OUTCOME_ZONE_LEFT;
-        }
         if (outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE && w->t->not_finite > 0) {
             return HAFT_OUTCOME_NOT_FINITE; /* that is what the step could not get past */
         }

@@ -34,14 +34,23 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
     if (status == HAFT_OK && t->options.keep_states) {
         size_t states = path->state == NULL ? 0 : path->point_capacity;
         array = path->state;
-        status =
-            grow(&array, path->points, &states, path->points + 1, t->n * sizeof(double), error);
+        status = grow(&array, path->points, &states, path->points + 1,
+                      t->whole->dofs * sizeof(double), error);
         path->state = array;
     }
     if (status == HAFT_OK) {
         path->point_capacity = capacity;
     }
     return status;
+}
+
+/* `here` on the whole mesh. */
+static void copy_state(const haft_tracker *t, double *u) {
+    if (t->at == 0) {
+        memcpy(u, t->here.u, t->n * sizeof *u);
+    } else {
+        haft_model_carry(t->model, t->whole, t->here.u, u);
+    }
 }
 
 haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *ledger, int phase,
@@ -67,7 +76,7 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
         .jump = jump,
     };
     if (t->options.keep_states) {
-        memcpy(path->state + path->points * t->n, t->here.u, t->n * sizeof(double));
+        copy_state(t, path->state + path->points * t->whole->dofs);
     }
     path->points++;
     return HAFT_OK;
@@ -103,11 +112,11 @@ static double end_influence(haft_tracker *t, double crack) {
 
 haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledger *ledger,
                                haft_error *error) {
-    path->final_state = haft_memory_alloc(t->n, sizeof(double), error);
+    path->final_state = haft_memory_alloc(t->whole->dofs, sizeof(double), error);
     if (path->final_state == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    memcpy(path->final_state, t->here.u, t->n * sizeof(double));
+    copy_state(t, path->final_state);
     path->ledger_error = ledger->turnover > 0 ? ledger->worst / ledger->turnover : 0;
     path->cost = t->cost;
     bool stuck = path->outcome == HAFT_OUTCOME_STUCK && t->model->nodes > 1 && path->points > 0;

@@ -124,6 +124,7 @@ static void accept(haft_walker *w, const haft_step *step) {
         fmax(fabs(step->defect) / step->allowed, pow(step->moved / HAFT_CORRECTION_LIMIT, 2));
     double factor = 0.85 * pow(fmax(used, 1e-6), -1.0 / 6);
     w->eta = fmin(w->t->options.gap_step, w->eta * fmin(2, fmax(0.3, factor)));
+    haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
 static void shrink(haft_walker *w, haft_step *step) {
@@ -212,6 +213,9 @@ haft_outcome haft_walker_advance(haft_walker *w) {
     double defect_before = INFINITY;
     while (w->eta > LEAST_STEP) {
         haft_step_result result = haft_branch_try(t, &step, w->direction);
+        if (result == HAFT_STEP_LEAVES) {
+            return haft_walker_widen(w) ? HAFT_OUTCOME_STUCK : HAFT_OUTCOME_ZONE_LEFT;
+        }
         if (result == HAFT_STEP_DIPS) {
             step.dtau *= step.dip;
             continue;

@@ -64,7 +64,7 @@ double haft_control_value(const haft_tracker *t, haft_control control, const haf
 
 bool haft_tracker_is_clear(const haft_tracker *t, const double *u) {
     for (size_t r = 0; r < t->model->inert; r++) {
-        if (t->model->gap - haft_model_displacement(&t->model->site[r], u) <= t->far[r]) {
+        if (t->model->gap - haft_model_displacement(&t->model->site[r], u) <= t->nil[r]) {
             return false;
         }
     }
@@ -135,7 +135,7 @@ static haft_path_options resolve(const haft_path_options *given) {
 
 /* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
  * by the same walk. */
-enum { VECTORS = 20, SITE_VECTORS = 11 + HAFT_SITE_SCRATCH };
+enum { VECTORS = 20, SITE_VECTORS = 12 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     double **all[VECTORS] = {&t->gradient,   &t->solution,   &t->mode,       &t->null,
                              &t->scratch[0], &t->scratch[1], &t->scratch[2], &t->scratch[3],
@@ -147,10 +147,10 @@ static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
 
 static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
     double **all[SITE_VECTORS] = {
-        &t->range,    &t->reach,          &t->far,       &t->gap_before,
-        &t->gap,      &t->site_stiffness, &t->motion,    &t->gap_predicted,
-        &t->here.gap, &t->next.gap,       &t->spare.gap, &t->site[0],
-        &t->site[1],  &t->site[2],        &t->site[3],   &t->site[4]};
+        &t->range,    &t->reach,          &t->far,     &t->nil,           &t->gap_before,
+        &t->gap,      &t->site_stiffness, &t->motion,  &t->gap_predicted, &t->here.gap,
+        &t->next.gap, &t->spare.gap,      &t->site[0], &t->site[1],       &t->site[2],
+        &t->site[3],  &t->site[4]};
     memcpy(vector, all, sizeof all);
 }
 
@@ -185,12 +185,11 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     if (t->pair == NULL || t->hessian == NULL || t->matrix == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    return haft_diagonals_create(&t->mass, t->n, t->model->column, t->model->row, t->model->mass,
-                                 error);
+    return HAFT_OK;
 }
 
-/* Share of the greatest pull below which a law counts as nil for the step's size. */
-#define NIL_SHARE 1e-3
+/* Share of the greatest pull below which a law counts as next to nil, for the step's size. */
+#define FAINT_SHARE 1e-3
 
 /* And below which it is lost in the rounding of the others. */
 #define LOST_SHARE 1e-16
@@ -199,7 +198,8 @@ static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t r = 0; r < t->model->sites; r++) {
         t->range[r] = haft_law_range(&t->laws[r]);
         t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
-        t->far[r] = haft_law_reach(&t->laws[r], r < t->model->inert ? LOST_SHARE : NIL_SHARE);
+        t->far[r] = haft_law_reach(&t->laws[r], FAINT_SHARE);
+        t->nil[r] = haft_law_reach(&t->laws[r], LOST_SHARE);
         if (!(t->range[r] > 0) || !isfinite(t->range[r] + t->far[r] + t->reach[r])) {
             return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                                   "the law of site %zu has no finite range", r);
@@ -208,12 +208,7 @@ static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t i = 0; i < t->n; i++) {
         t->mode[i] = 1 / (double)(i + 1);
     }
-    haft_status status = haft_factor_create(&t->factor, HAFT_FACTOR_NARROW, t->n, t->model->column,
-                                            t->model->row, t->model->stiffness, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    return haft_corrector_create(&t->corrector, t, error);
+    return haft_zones_create(t, error);
 }
 
 haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, const haft_law *laws,
@@ -224,6 +219,7 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
     if (t == NULL) {
         return HAFT_ERROR_MEMORY;
     }
+    t->whole = model;
     t->model = model;
     t->laws = laws;
     t->programme = *programme;
@@ -249,14 +245,12 @@ void haft_tracker_destroy(haft_tracker **tracker) {
         return;
     }
     haft_tracker *t = *tracker;
-    haft_corrector_destroy(&t->corrector);
-    haft_factor_destroy(&t->factor);
+    haft_zones_destroy(t);
     double **vector[VECTORS], **site_vector[SITE_VECTORS];
     list_vectors(t, vector);
     list_site_vectors(t, site_vector);
     free_list(vector, VECTORS);
     free_list(site_vector, SITE_VECTORS);
-    haft_diagonals_destroy(&t->mass);
     haft_memory_free(t->pair);
     haft_memory_free(t->hessian);
     haft_memory_free(t->matrix);

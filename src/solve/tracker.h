@@ -41,39 +41,51 @@ typedef struct haft_control {
 
 typedef struct haft_corrector haft_corrector;
 
+/* A mesh of the beam, and what solves on it. */
+typedef struct haft_zone {
+    const haft_model *model;
+    haft_factor *factor; /* of the Hessian last asked for */
+    haft_corrector *corrector;
+    haft_diagonals *mass;
+} haft_zone;
+
 enum { HAFT_SITE_SCRATCH = 5 };
 
 typedef struct haft_tracker {
+    const haft_model *whole; /* the mesh of the path's states; all vectors have room for its */
+    haft_zone *zone;         /* zones: on it and on its shorter ones, in their order */
+    size_t zones, at;        /* and the one in use, which the next five are of */
     const haft_model *model;
+    haft_factor *factor;
+    haft_corrector *corrector;
+    haft_diagonals *mass;
+    size_t n; /* unknowns */
     const haft_law *laws;
     haft_law_rows *rows; /* the same, laid out for evaluation */
     haft_path_options options;
     haft_programme programme;
-    size_t n;
-    double load_unit;            /* energy_unit / gap [N] */
-    double *range, *reach, *far; /* of each site: law's range; felt within; nil beyond [m] (of an
-                                    inert one: nil to the last digit) */
-    haft_factor *factor;         /* of the Hessian last asked for */
-    haft_corrector *corrector;
+    double load_unit; /* energy_unit / gap [N] */
+    double *range, *reach,
+        *far;    /* of each site: law's range; felt within; next to nil beyond [m] */
+    double *nil; /* and nil to the last digit beyond: it may be inert [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
     double *gap;                         /* sites: at the state last evaluated [m] */
     double *gap_predicted;               /* sites: where the corrector started from [m] */
-    haft_diagonals *mass;
-    double *solution;                /* n: H^-1 b at the state last certified */
-    double *motion;                  /* sites: what that is of their displacements */
-    double *mode;                    /* n: eigenvector estimate of the smallest eigenvalue */
-    double *scratch[4];              /* n each */
-    double *stage[3];                /* n each: the flow's stages */
-    double *pair;                    /* 2 n: two right-hand sides solved together */
-    double *gap_before;              /* sites: before a jump [m] */
-    double *site[HAFT_SITE_SCRATCH]; /* haft_law_lanes(sites) each: scratch */
-    double *site_stiffness;          /* sites: at the state last certified, for refinement */
-    haft_state here, next, spare;    /* accepted, tried, and the flow's second */
-    haft_branch start, end;          /* derivatives at `here` leaving it and at `next` arriving */
-    haft_branch rebased;             /* start, kept while another control is tried */
-    double *null;                    /* n: null vector at a fold */
-    bool needs_refinement;           /* the factors alone lose too many digits */
-    size_t not_finite;               /* evaluations that were not, since the last accepted state */
+    double *solution;                    /* n: H^-1 b at the state last certified */
+    double *motion;                      /* sites: what that is of their displacements */
+    double *mode;                        /* n: eigenvector estimate of the smallest eigenvalue */
+    double *scratch[4];                  /* n each */
+    double *stage[3];                    /* n each: the flow's stages */
+    double *pair;                        /* 2 n: two right-hand sides solved together */
+    double *gap_before;                  /* sites: before a jump [m] */
+    double *site[HAFT_SITE_SCRATCH];     /* haft_law_lanes(sites) each: scratch */
+    double *site_stiffness;              /* sites: at the state last certified, for refinement */
+    haft_state here, next, spare;        /* accepted, tried, and the flow's second */
+    haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
+    haft_branch rebased;    /* start, kept while another control is tried */
+    double *null;           /* n: null vector at a fold */
+    bool needs_refinement;  /* the factors alone lose too many digits */
+    size_t not_finite;      /* evaluations that were not, since the last accepted state */
     haft_path_cost cost;
 } haft_tracker;
 
@@ -90,6 +102,11 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 
 /* The gradient alone; the Hessian and gaps at hand stay. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load);
+
+static inline void haft_tracker_count_factorization(haft_tracker *t) {
+    t->cost.factorizations++;
+    t->cost.unknowns += t->n;
+}
 
 /* Solves in place with the factor at hand. */
 void haft_tracker_solve(haft_tracker *t, double *b);
@@ -113,7 +130,7 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 /* Adds factor * row' of a site to v. */
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
 
-/* Whether all sites that the model leaves out are beyond the reach of their laws. */
+/* Whether all sites that the model in use leaves out are where their laws are nil. */
 bool haft_tracker_is_clear(const haft_tracker *t, const double *u);
 
 /* The length over which a site's force changes at gap d, longer the farther it is out of reach. */
@@ -134,6 +151,23 @@ double haft_tracker_way(const haft_tracker *t, const double *gap, const double *
 
 /* Crack length of a state [m], computed once. */
 double haft_tracker_crack(const haft_tracker *t, haft_state *state);
+
+/* ---- zone.c: on which of the beam's meshes
+ * --------------------------------------------------------- */
+
+/* Makes the zones of a tracker whose vectors are there, and enters the whole mesh. */
+haft_status haft_zones_create(haft_tracker *t, haft_error *error);
+void haft_zones_destroy(haft_tracker *t);
+
+/* Puts zone `at` in use. */
+void haft_zone_enter(haft_tracker *t, size_t at);
+
+/* Goes over with a state to a wider mesh, that has what it would touch at u = `ahead`, or to the
+ * narrowest that has all that it may touch soon, coming from u = `before` (NULL: at rest). Its gaps
+ * are then those of all sites; nothing else at hand is of the new mesh.
+ * @return false if there is none to go to. */
+bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead);
+bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before);
 
 /* ---- corrector.c: KINSOL on the bordered system
  * --------------------------------------------------- */
@@ -175,6 +209,7 @@ double haft_branch_least_eigenvalue(haft_tracker *t);
 typedef enum haft_step_result {
     HAFT_STEP_TAKEN,
     HAFT_STEP_REJECTED,
+    HAFT_STEP_LEAVES,   /* a site that the mesh leaves out would come into reach */
     HAFT_STEP_AMISS,    /* sound, but the ledger misses more energy than is allowed */
     HAFT_STEP_DIPS,     /* sound, but two folds may hide inside: to be cut at step->dip */
     HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */

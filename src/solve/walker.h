@@ -23,6 +23,11 @@ void haft_walker_swap(haft_tracker *t);
 void haft_walker_book(haft_walker *w, double work, double dissipated);
 void haft_walker_record(haft_walker *w, int jump);
 
+/* Goes over to a mesh wide enough for `next` (false: there is none), or to a narrower one if that
+ * is enough for `here`, coming from u = `before` (NULL: at rest), and certifies `here` on it. */
+bool haft_walker_widen(haft_walker *w);
+void haft_walker_narrow(haft_walker *w, const double *before);
+
 /* By how much a state's crack exceeds the one asked for, and whether it ends the loading. */
 double haft_walker_excess(const haft_walker *w, haft_state *state);
 bool haft_walker_reached(const haft_walker *w, haft_state *state);

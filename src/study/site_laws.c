@@ -6,8 +6,13 @@
 #include <float.h>
 #include <math.h>
 
+/* The law of site r from the curve of patch k, whose table is the beam's table number `slot`. */
 static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r, size_t k,
-                              haft_error *error) {
+                              size_t slot, haft_error *error) {
+    if (s->table[slot] != NULL) {
+        s->law[r] = haft_law_from_table(s->table[slot]);
+        return HAFT_OK;
+    }
     const double *curve = haft_laws_curve(laws, k);
     if (curve == NULL) {
         return haft_error_set(
@@ -16,18 +21,19 @@ static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r
             "them again",
             r);
     }
-    haft_status status = haft_law_table_create(&s->table[r], laws->n, laws->distance, curve, error);
+    haft_status status =
+        haft_law_table_create(&s->table[slot], laws->n, laws->distance, curve, error);
     if (status != HAFT_OK) {
         haft_error_prefix(error, "the curve of site %zu (%s): ", r,
                           haft_law_fault_name(laws->fault[k]));
         return status;
     }
-    s->law[r] = haft_law_from_table(s->table[r]);
+    s->law[r] = haft_law_from_table(s->table[slot]);
     return HAFT_OK;
 }
 
 static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_laws *laws, size_t r,
-                            size_t k, haft_error *error) {
+                            size_t k, size_t slot, haft_error *error) {
     haft_law_fault fault = laws->fault[k];
     haft_law morse;
     if (fault == HAFT_LAW_SOUND) {
@@ -36,7 +42,7 @@ static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_la
     s->vector[r] = laws->vector[k];
     s->unfit += fault != HAFT_LAW_SOUND;
     if (c->law.kind == HAFT_LAW_TABLE) {
-        return make_table(s, laws, r, k, error);
+        return make_table(s, laws, r, k, slot, error);
     }
     if (fault == HAFT_LAW_SOUND) {
         s->law[r] = morse;
@@ -48,7 +54,7 @@ static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_la
                               "to use such curves themselves, or law.kind: table to use all",
                               r, haft_law_fault_name(fault));
     }
-    return make_table(s, laws, r, k, error);
+    return make_table(s, laws, r, k, slot, error);
 }
 
 /* The vectors of a realization from the model, and their Morse laws. */
@@ -77,7 +83,7 @@ static haft_status draw_patches(haft_site_laws *s, const haft_case *c, const haf
     haft_status status = HAFT_OK;
     for (size_t r = 0; r < s->sites && status == HAFT_OK; r++) {
         size_t k = haft_chaos_draw_patch(c->seed, realization, r, laws->m);
-        status = make_law(s, c, laws, r, k, error);
+        status = make_law(s, c, laws, r, k, k, error);
     }
     return status;
 }
@@ -112,7 +118,7 @@ static haft_status use_laws(haft_site_laws *s, const haft_case *c, const haft_la
     size_t from = realization * laws->sites;
     haft_status status = HAFT_OK;
     for (size_t r = first; r < s->sites && status == HAFT_OK; r++) {
-        status = make_law(s, c, laws, r, from + r - laws->first_site, error);
+        status = make_law(s, c, laws, r, from + r - laws->first_site, r, error);
     }
     if (status == HAFT_OK) {
         stand_in(s, first);
@@ -178,7 +184,8 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
     bool drawn = haft_sampler_is_stochastic(c->law.sampler), patches = haft_study_draws_patches(c);
     s->sites = haft_study_sites(c);
     s->law = haft_memory_alloc(s->sites, sizeof *s->law, error);
-    s->table = haft_memory_alloc(s->sites, sizeof *s->table, error);
+    s->tables = drawn && patches ? laws->m : s->sites;
+    s->table = haft_memory_alloc(s->tables, sizeof *s->table, error);
     s->vector = haft_memory_alloc(s->sites, sizeof *s->vector, error);
     haft_status status = s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
     if (status == HAFT_OK) {
@@ -198,7 +205,7 @@ void haft_site_laws_destroy(haft_site_laws **laws) {
         return;
     }
     haft_site_laws *s = *laws;
-    for (size_t r = 0; s->table != NULL && r < s->sites; r++) {
+    for (size_t r = 0; s->table != NULL && r < s->tables; r++) {
         haft_law_table_destroy(&s->table[r]);
     }
     haft_memory_free(s->table);

@@ -150,7 +150,7 @@ static void make_sample(sample *x, double seed) {
     x->path.jump = x->jump;
     x->path.state = x->state;
     x->path.ledger_error = 1e-12 * seed;
-    x->path.cost = (haft_path_cost){5, 1, 17, 18, 60, 2, 40};
+    x->path.cost = (haft_path_cost){5, 1, 17, 18, 60, 2, 40, 0};
     for (int i = 0; i < 5; i++) {
         double v = seed + i / 3.0;
         x->point[i] =

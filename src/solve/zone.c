@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* On which of a beam's meshes it is followed. Sites beyond their laws' last digit bear no force,
+ * and a beam without forces is one cubic: a mesh that leaves them out has the same equilibria,
+ * folds and energies as the whole one, for the cost of the sites that are left. So the solver works
+ * on the shortest of the beam's meshes that has a few sites to spare before those in reach, changes
+ * to a shorter one as they open, and to a longer one before a site left out comes into reach.
+ *
+ * Only the drag of a landing is the mesh's own: that of the free span is that of its one cubic. */
+#include "tracker.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Sites to spare on a mesh that is gone over to, so that it is not left again at once. */
+enum { SPARE_SITES = 4 };
+
+void haft_zone_enter(haft_tracker *t, size_t at) {
+    const haft_zone *zone = &t->zone[at];
+    t->at = at;
+    t->model = zone->model;
+    t->n = zone->model->dofs;
+    t->factor = zone->factor;
+    t->corrector = zone->corrector;
+    t->mass = zone->mass;
+}
+
+static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *error) {
+    const haft_model *m = zone->model;
+    haft_status status = haft_factor_create(&zone->factor, HAFT_FACTOR_NARROW, m->dofs, m->column,
+                                            m->row, m->stiffness, error);
+    if (status == HAFT_OK) {
+        status = haft_diagonals_create(&zone->mass, m->dofs, m->column, m->row, m->mass, error);
+    }
+    return status == HAFT_OK ? haft_corrector_create(&zone->corrector, t, error) : status;
+}
+
+haft_status haft_zones_create(haft_tracker *t, haft_error *error) {
+    for (const haft_model *m = t->whole; m != NULL; m = m->shorter) {
+        t->zones++;
+    }
+    t->zone = haft_memory_alloc(t->zones, sizeof *t->zone, error);
+    if (t->zone == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    const haft_model *m = t->whole;
+    for (size_t i = 0; i < t->zones; i++, m = m->shorter) {
+        t->zone[i].model = m;
+        haft_zone_enter(t, i);
+        haft_status status = create_zone(t, &t->zone[i], error);
+        if (status != HAFT_OK) {
+            return status;
+        }
+    }
+    haft_zone_enter(t, 0);
+    return HAFT_OK;
+}
+
+void haft_zones_destroy(haft_tracker *t) {
+    for (size_t i = 0; i < t->zones && t->zone != NULL; i++) {
+        haft_corrector_destroy(&t->zone[i].corrector);
+        haft_factor_destroy(&t->zone[i].factor);
+        haft_diagonals_destroy(&t->zone[i].mass);
+    }
+    haft_memory_free(t->zone);
+}
+
+static void carry(haft_tracker *t, const haft_model *from, double *u) {
+    haft_model_carry(from, t->model, u, t->scratch[0]);
+    memcpy(u, t->scratch[0], t->n * sizeof *u);
+}
+
+static void change(haft_tracker *t, size_t at, haft_state *state) {
+    const haft_model *from = t->model;
+    haft_zone_enter(t, at);
+    carry(t, from, t->mode);
+    carry(t, from, state->u);
+    haft_model_gaps(t->model, state->u, state->gap);
+}
+
+bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead) {
+    if (t->at == 0) {
+        return false;
+    }
+    size_t first = t->whole->inert, at = t->at - 1;
+    while (t->model->gap - haft_model_displacement(&t->model->site[first], ahead) > t->nil[first] &&
+           first < t->model->inert) {
+        first++;
+    }
+    while (at > 0 && t->zone[at].model->inert > first) {
+        at--;
+    }
+    change(t, at, state);
+    return true;
+}
+
+/* Whether a mesh that leaves out the first `inert` sites has sites to spare, even if the state goes
+ * on from the one before as it came from there, and as far again. */
+static bool is_enough(const haft_tracker *t, size_t inert, const double *u, const double *before) {
+    for (size_t r = inert + SPARE_SITES; r-- > t->whole->inert;) {
+        const haft_site *site = &t->model->site[r];
+        double w = haft_model_displacement(site, u);
+        double coming = before == NULL ? 0 : w - haft_model_displacement(site, before);
+        if (t->model->gap - w - fmax(0, 2 * coming) <= t->nil[r]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before) {
+    size_t at = t->at;
+    while (at + 1 < t->zones && is_enough(t, t->zone[at + 1].model->inert, state->u, before)) {
+        at++;
+    }
+    if (at == t->at) {
+        return false;
+    }
+    change(t, at, state);
+    return true;
+}
