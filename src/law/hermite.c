@@ -71,16 +71,6 @@ haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, s
     };
 }
 
-double haft_hermite_value(const haft_hermite *cubic, double t) {
-    const double *c = cubic->c;
-    return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-}
-
-double haft_hermite_integral(const haft_hermite *cubic, double t) {
-    const double *c = cubic->c;
-    return t * (c[0] + t * (c[1] / 2 + t * (c[2] / 3 + t * c[3] / 4)));
-}
-
 double haft_hermite_solve(const haft_hermite *cubic, double value) {
     enum { STEPS = 200 }; /* bisection alone would need 53 or so; Newton takes about 5 */
     const double *c = cubic->c;

@@ -22,10 +22,16 @@ bool haft_hermite_is_even(size_t n, const double *x);
  * f = 0 with slope 0, whatever f holds there. */
 haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i);
 
-double haft_hermite_value(const haft_hermite *cubic, double t);
+static inline double haft_hermite_value(const haft_hermite *cubic, double t) {
+    const double *c = cubic->c;
+    return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+}
 
 /* Integral from 0 to t. */
-double haft_hermite_integral(const haft_hermite *cubic, double t);
+static inline double haft_hermite_integral(const haft_hermite *cubic, double t) {
+    const double *c = cubic->c;
+    return t * (c[0] + t * (c[1] / 2 + t * (c[2] / 3 + t * c[3] / 4)));
+}
 
 /* Where a cubic that is monotone on its width takes `value`, which lies between its end values. */
 double haft_hermite_solve(const haft_hermite *cubic, double value);

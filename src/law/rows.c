@@ -122,13 +122,7 @@ void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, c
     } else if (n > 0) {
         set_nil(out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
     }
-    for (size_t i = 0; i < n && rows->tables > 0; i++) {
-        if (rows->table[first + i] != NULL) {
-            haft_law_value x = haft_law_table_evaluate(rows->table[first + i], d[i]);
-            out->force[i] = x.force;
-            out->slope[i] = x.slope;
-            out->curvature[i] = x.curvature;
-            out->potential[i] = x.potential;
-        }
+    if (rows->tables > 0) {
+        haft_law_tables_evaluate(rows->table + first, n, d, out);
     }
 }

@@ -116,7 +116,7 @@ void haft_law_table_destroy(haft_law_table **table) {
 }
 
 /* The piece that holds d, first <= d < last. */
-static const piece *find_piece(const haft_law_table *table, double d) {
+static inline const piece *find_piece(const haft_law_table *table, double d) {
     const piece *all = table->piece;
     size_t low = 0, high = table->pieces;
     if (table->even) {
@@ -140,7 +140,7 @@ static const piece *find_piece(const haft_law_table *table, double d) {
     return all + low;
 }
 
-haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
+static inline haft_law_value evaluate(const haft_law_table *table, double d) {
     if (d >= table->last) {
         return (haft_law_value){0};
     }
@@ -161,6 +161,23 @@ haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
         .curvature = 2 * c[2] + 6 * c[3] * t,
         .potential = p->potential - haft_hermite_integral(&p->cubic, t),
     };
+}
+
+haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
+    return evaluate(table, d);
+}
+
+void haft_law_tables_evaluate(const haft_law_table *const *table, size_t n, const double *d,
+                              const haft_law_values *out) {
+    for (size_t i = 0; i < n; i++) {
+        if (table[i] != NULL) {
+            haft_law_value x = evaluate(table[i], d[i]);
+            out->force[i] = x.force;
+            out->slope[i] = x.slope;
+            out->curvature[i] = x.curvature;
+            out->potential[i] = x.potential;
+        }
+    }
 }
 
 haft_law haft_law_from_table(const haft_law_table *table) {
