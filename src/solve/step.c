@@ -127,11 +127,16 @@ static void accept(haft_walker *w, const haft_step *step) {
     haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
+/* Cuts a step by what its defect exceeds: that falls with the sixth power of the step where the
+ * laws are smooth, and more slowly where they are tables, for their knots. */
 static void shrink(haft_walker *w, haft_step *step) {
     w->t->cost.rejected++;
     double factor = 0.5;
     if (isfinite(step->defect) && step->allowed > 0) {
-        factor = fmin(0.7, fmax(0.1, 0.85 * pow(fabs(step->defect) / step->allowed, -1.0 / 6)));
+        bool knots =
+            step->control.site != NULL && w->t->laws[step->control.index].kind == HAFT_LAW_TABLE;
+        double power = knots ? 1.0 / 3 : 1.0 / 6;
+        factor = fmin(0.7, fmax(0.1, 0.85 * pow(step->allowed / fabs(step->defect), power)));
     }
     w->eta *= factor;
     step->dtau *= factor;
