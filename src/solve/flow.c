@@ -207,6 +207,13 @@ static bool widen(haft_tracker *t, haft_state *from, const haft_state *to) {
     return haft_zone_widen(t, from, to->u) && evaluate_state(t, from);
 }
 
+/* Whether a step goes nowhere though its stages do: on a knot of a table, whose stiffness jumps,
+ * they can cancel time and again, far from equilibrium. Elsewhere the error is the lesser of the
+ * two. */
+static bool is_caught(double error, double move) {
+    return error > LEAST_DEPARTURE && error > 2 * move;
+}
+
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
     haft_state *from = &t->spare, *to = &t->next;
     double departure = 0, dt = depart(t, from, away, &departure);
@@ -222,7 +229,7 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         double factor = MARGIN * cbrt(allowed / fmax(error, 1e-30));
         double before = dt;
         dt *= fmin(GROWTH, fmax(SHRINKAGE, factor));
-        if (!(error <= allowed)) {
+        if (!(error <= allowed) || is_caught(error, move)) {
             dt = fmin(dt, 0.7 * before);
             if (t->not_finite > NOT_FINITE_LIMIT) {
                 return HAFT_OUTCOME_NOT_FINITE;
