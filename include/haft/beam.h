@@ -76,14 +76,11 @@ typedef struct haft_site {
 /** The room's own order of a model's sites. */
 typedef struct haft_layout haft_layout;
 
-/** A discrete structure, haft_model_create() or haft_model_create_beam(). */
-typedef struct haft_model haft_model;
-
 /** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
  *
  *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
  *  node's own element length. `scale[i]` takes unknown i to metres or radians. */
-struct haft_model {
+typedef struct haft_model {
     size_t dofs;           /**< unknowns */
     double *scale;         /**< dofs: [m] or [rad] a unit of each unknown */
     double energy_unit;    /**< [J] */
@@ -104,9 +101,10 @@ struct haft_model {
     int *element_slot;   /**< place of each of an element's 16 entries in the pattern, -1 if none */
     int *site_slot;      /**< and of a site's */
     haft_layout *layout; /**< the sites once more, laid out for evaluation */
-    haft_model *shorter; /**< of an active mesh: the same beam and sites, more of them inert, for
-                              states that touch only further on; NULL: none. Owned */
-};
+    struct haft_model *shorter; /**< of an active mesh: the same beam and sites, more of them
+                                     inert, for states that touch only further on; NULL: none.
+                                     Owned */
+} haft_model;
 
 /** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
  *  laws of their own. 0 for the other meshes. Thread-safe. */

@@ -7,8 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Each shorter mesh has this share of the sites of the one before, and none has less than so many.
- */
+/* Share of the sites that each shorter mesh has of the one before, and how many at least. */
 #define SHORTER_SHARE 0.85
 enum { LEAST_ACTIVE = 24 };
 

@@ -140,7 +140,7 @@ static inline const piece *find_piece(const haft_law_table *table, double d) {
     return all + low;
 }
 
-static inline haft_law_value evaluate(const haft_law_table *table, double d) {
+haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
     if (d >= table->last) {
         return (haft_law_value){0};
     }
@@ -163,15 +163,11 @@ static inline haft_law_value evaluate(const haft_law_table *table, double d) {
     };
 }
 
-haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
-    return evaluate(table, d);
-}
-
 void haft_law_tables_evaluate(const haft_law_table *const *table, size_t n, const double *d,
                               const haft_law_values *out) {
     for (size_t i = 0; i < n; i++) {
         if (table[i] != NULL) {
-            haft_law_value x = evaluate(table[i], d[i]);
+            haft_law_value x = haft_law_table_evaluate(table[i], d[i]);
             out->force[i] = x.force;
             out->slope[i] = x.slope;
             out->curvature[i] = x.curvature;

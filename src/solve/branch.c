@@ -266,7 +266,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }
-    if (!haft_tracker_is_clear(t, t->next.u)) {
+    if (!haft_zone_is_clear(t, t->next.u)) {
         return HAFT_STEP_LEAVES;
     }
     step->inertia = haft_branch_certify(t, t->next.u);

@@ -202,11 +202,6 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     return haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) ? error : INFINITY;
 }
 
-/* Goes on from a state on a wider mesh; false if there is none. */
-static bool widen(haft_tracker *t, haft_state *from, const haft_state *to) {
-    return haft_zone_widen(t, from, to->u) && evaluate_state(t, from);
-}
-
 /* Whether a step goes nowhere though its stages do: on a knot of a table, whose stiffness jumps,
  * they can cancel time and again, far from equilibrium. Elsewhere the error is the lesser of the
  * two. */
@@ -239,8 +234,8 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
             }
             continue;
         }
-        if (!haft_tracker_is_clear(t, to->u)) {
-            if (!widen(t, from, to)) {
+        if (!haft_zone_is_clear(t, to->u)) {
+            if (!haft_zone_widen(t, from, to->u)) {
                 return HAFT_OUTCOME_ZONE_LEFT;
             }
             continue;
@@ -248,9 +243,7 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         (*steps)++;
         t->cost.flow_steps++;
         swap(from, to);
-        if (haft_zone_narrow(t, from, to->u)) {
-            evaluate_state(t, from);
-        }
+        haft_zone_narrow(t, from, to->u);
         if (allowed < t->options.flow_step) {
             allowed = fmin(t->options.flow_step,
                            ERROR_SHARE * haft_tracker_way(t, t->gap_before, from->gap));
@@ -259,7 +252,7 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         speed = move / before;
         if (slows && move < SETTLING && is_arriving(t, from)) {
             if (arrive(t, from, to, departure)) {
-                if (haft_tracker_is_clear(t, to->u)) {
+                if (haft_zone_is_clear(t, to->u)) {
                     swap(&t->here, to);
                     return HAFT_OUTCOME_STUCK;
                 }

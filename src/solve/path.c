@@ -37,9 +37,7 @@ bool haft_walker_reached(const haft_walker *w, haft_state *state) {
 
 /* `here` on the mesh just entered. */
 static void settle(haft_walker *w) {
-    haft_tracker *t = w->t;
-    haft_tracker_evaluate(t, t->here.u, t->here.load, &t->here.energy, NULL);
-    haft_branch_certify(t, t->here.u);
+    haft_branch_certify(w->t, w->t->here.u);
     w->arrived = false;
 }
 

@@ -62,15 +62,6 @@ double haft_control_value(const haft_tracker *t, haft_control control, const haf
     return control.site == NULL ? state->load : haft_tracker_row(t, control.site, state->u);
 }
 
-bool haft_tracker_is_clear(const haft_tracker *t, const double *u) {
-    for (size_t r = 0; r < t->model->inert; r++) {
-        if (t->model->gap - haft_model_displacement(&t->model->site[r], u) <= t->nil[r]) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* How far each site's gap moves in lengths of its law, into `share`. */
 HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *gap,
                                       const double *motion, double *restrict share) {

@@ -64,10 +64,9 @@ typedef struct haft_tracker {
     haft_law_rows *rows; /* the same, laid out for evaluation */
     haft_path_options options;
     haft_programme programme;
-    double load_unit; /* energy_unit / gap [N] */
-    double *range, *reach,
-        *far;    /* of each site: law's range; felt within; next to nil beyond [m] */
-    double *nil; /* and nil to the last digit beyond: it may be inert [m] */
+    double load_unit;                    /* energy_unit / gap [N] */
+    double *range, *reach;               /* of each site: its law's range; felt within [m] */
+    double *far, *nil;                   /* next to nil beyond; nil to the last digit beyond [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
     double *gap;                         /* sites: at the state last evaluated [m] */
     double *gap_predicted;               /* sites: where the corrector started from [m] */
@@ -130,9 +129,6 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 /* Adds factor * row' of a site to v. */
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
 
-/* Whether all sites that the model in use leaves out are where their laws are nil. */
-bool haft_tracker_is_clear(const haft_tracker *t, const double *u);
-
 /* The length over which a site's force changes at gap d, longer the farther it is out of reach. */
 static inline double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
     double beyond = d - t->far[site];
@@ -159,12 +155,15 @@ double haft_tracker_crack(const haft_tracker *t, haft_state *state);
 haft_status haft_zones_create(haft_tracker *t, haft_error *error);
 void haft_zones_destroy(haft_tracker *t);
 
+/* Whether all sites that the mesh in use leaves out are where their laws are nil. */
+bool haft_zone_is_clear(const haft_tracker *t, const double *u);
+
 /* Puts zone `at` in use. */
 void haft_zone_enter(haft_tracker *t, size_t at);
 
 /* Goes over with a state to a wider mesh, that has what it would touch at u = `ahead`, or to the
- * narrowest that has all that it may touch soon, coming from u = `before` (NULL: at rest). Its gaps
- * are then those of all sites; nothing else at hand is of the new mesh.
+ * narrowest that has all that it may touch soon, coming from u = `before` (NULL: at rest). It is
+ * evaluated there, with the gaps of all sites.
  * @return false if there is none to go to. */
 bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead);
 bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before);

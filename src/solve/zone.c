@@ -75,18 +75,30 @@ static void change(haft_tracker *t, size_t at, haft_state *state) {
     carry(t, from, t->mode);
     carry(t, from, state->u);
     haft_model_gaps(t->model, state->u, state->gap);
+    haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
+}
+
+/* How many sites from the first on, of those that the mesh leaves out, are where their laws are
+ * nil. */
+static size_t clear_sites(const haft_tracker *t, const double *u) {
+    size_t r = 0;
+    while (r < t->model->inert &&
+           t->model->gap - haft_model_displacement(&t->model->site[r], u) > t->nil[r]) {
+        r++;
+    }
+    return r;
+}
+
+bool haft_zone_is_clear(const haft_tracker *t, const double *u) {
+    return clear_sites(t, u) == t->model->inert;
 }
 
 bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead) {
     if (t->at == 0) {
         return false;
     }
-    size_t first = t->whole->inert, at = t->at - 1;
-    while (t->model->gap - haft_model_displacement(&t->model->site[first], ahead) > t->nil[first] &&
-           first < t->model->inert) {
-        first++;
-    }
-    while (at > 0 && t->zone[at].model->inert > first) {
+    size_t clear = clear_sites(t, ahead), at = t->at - 1;
+    while (at > 0 && t->zone[at].model->inert > clear) {
         at--;
     }
     change(t, at, state);
