@@ -23,8 +23,8 @@ typedef struct haft_programme {
 /** How finely the path is followed. Zero in a field asks for its default. */
 typedef struct haft_path_options {
     double gap_step;           /**< largest move of a gap in a step, in ranges of its law; 0.25 */
-    double ledger_tolerance;   /**< largest gap between energy and work of a step, relative to the
-                                    step's work; 1e-10 */
+    double ledger_tolerance;   /**< what the ledger of energy, work and dissipation may miss at any
+                                    time, relative to all the work done; 1e-10 */
     double residual_tolerance; /**< of the equilibrium, relative to the largest force; 1e-11 */
     double flow_step;          /**< error of a flow step, in ranges of the laws; 0.1 */
     size_t step_limit;         /**< accepted steps and flow steps together; 200000 */

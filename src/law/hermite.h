@@ -30,7 +30,7 @@ static inline double haft_hermite_value(const haft_hermite *cubic, double t) {
 /* Integral from 0 to t. */
 static inline double haft_hermite_integral(const haft_hermite *cubic, double t) {
     const double *c = cubic->c;
-    return t * (c[0] + t * (c[1] / 2 + t * (c[2] / 3 + t * c[3] / 4)));
+    return t * (c[0] + t * (0.5 * c[1] + t * (1.0 / 3 * c[2] + t * 0.25 * c[3])));
 }
 
 /* Where a cubic that is monotone on its width takes `value`, which lies between its end values. */

@@ -8,8 +8,11 @@
 
 #include "law/hermite.h"
 
+enum { CACHE_LINE = 64 };
+
+/* One line of the cache: a beam's laws together are larger than it. */
 typedef struct piece {
-    haft_hermite cubic;
+    _Alignas(CACHE_LINE) haft_hermite cubic;
     double start;     /* gap at its left end */
     double potential; /* there */
 } piece;
@@ -122,12 +125,11 @@ static inline const piece *find_piece(const haft_law_table *table, double d) {
     if (table->even) {
         low = (size_t)((d - table->first) * table->per_step);
         low = low < table->pieces ? low : table->pieces - 1;
-        if (d < all[low].start && low > 0) {
-            low--;
-        } else if (low + 1 < table->pieces && d >= all[low + 1].start) {
-            low++;
+        double t = d - all[low].start;
+        if (t < 0) {
+            return all + low - (low > 0);
         }
-        return all + low;
+        return all + low + (t >= all[low].cubic.width && low + 1 < table->pieces);
     }
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
@@ -140,7 +142,7 @@ static inline const piece *find_piece(const haft_law_table *table, double d) {
     return all + low;
 }
 
-haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
+static inline haft_law_value evaluate(const haft_law_table *table, double d) {
     if (d >= table->last) {
         return (haft_law_value){0};
     }
@@ -163,11 +165,15 @@ haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
     };
 }
 
+haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
+    return evaluate(table, d);
+}
+
 void haft_law_tables_evaluate(const haft_law_table *const *table, size_t n, const double *d,
                               const haft_law_values *out) {
     for (size_t i = 0; i < n; i++) {
         if (table[i] != NULL) {
-            haft_law_value x = haft_law_table_evaluate(table[i], d[i]);
+            haft_law_value x = evaluate(table[i], d[i]);
             out->force[i] = x.force;
             out->slope[i] = x.slope;
             out->curvature[i] = x.curvature;

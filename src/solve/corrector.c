@@ -190,6 +190,28 @@ HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
     return sqrt(sum);
 }
 
+/* min x, by which KINSOL checks its scales in every call. */
+HAFT_CLONES static sunrealtype least(N_Vector x) {
+    const double *a = N_VGetArrayPointer(x);
+    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
+    double part[LANES], low = INFINITY;
+    for (size_t k = 0; k < LANES; k++) {
+        part[k] = INFINITY;
+    }
+    for (size_t i = 0; i < whole; i += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            part[k] = a[i + k] < part[k] ? a[i + k] : part[k];
+        }
+    }
+    for (size_t i = whole; i < n; i++) {
+        part[i - whole] = a[i] < part[i - whole] ? a[i] : part[i - whole];
+    }
+    for (size_t k = 0; k < LANES; k++) {
+        low = part[k] < low ? part[k] : low;
+    }
+    return low;
+}
+
 /* max |x|, likewise. */
 HAFT_CLONES static sunrealtype max_norm(N_Vector x) {
     const double *a = N_VGetArrayPointer(x);
@@ -224,6 +246,9 @@ static bool make_vectors(haft_corrector *c) {
     c->f_scale->ops->nvwl2norm = weighted_norm;
     c->y->ops->nvmaxnorm = max_norm;
     c->f_scale->ops->nvmaxnorm = max_norm;
+    c->y->ops->nvmin = least;
+    c->y_scale->ops->nvmin = least;
+    c->f_scale->ops->nvmin = least;
     N_VConst(1.0, c->y_scale);
     c->matrix->ops->getid = matrix_kind;
     c->matrix->ops->zero = matrix_zero;

@@ -14,7 +14,8 @@
 
 enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
 
-/* How small Newton's step must be to finish; how small the flow's own step before that is tried. */
+/* How small Newton's step must be to finish; how small the flow's own step, and the way that its
+ * slowing leaves to go, before that is tried. */
 #define ARRIVAL 0.05
 #define SETTLING 0.2
 
@@ -97,6 +98,20 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
     }
     combine(t, DEFECT, STAGES, sum);
     return true;
+}
+
+/* A flow step: how long it took and how far the gaps went, in lengths. */
+typedef struct flow_step {
+    double dt, move;
+} flow_step;
+
+/* Whether the flow settles: its steps are short and, if it goes on slowing as it did between the
+ * last two, exponentially, little way is left. */
+static bool is_settling(flow_step before, flow_step last) {
+    double slowing = log(before.move / before.dt * (last.dt / last.move));
+    double half_step = slowing * last.dt / (before.dt + last.dt); /* in times of the decay */
+    double left = last.move / (2 * half_step) * exp(-half_step);
+    return slowing > 0 && last.move < SETTLING && left < ARRIVAL;
 }
 
 /* Whether the state evaluated last is stable and Newton would move it little. */
@@ -216,7 +231,7 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         return HAFT_OUTCOME_NOT_FINITE;
     }
     to->load = from->load;
-    double speed = INFINITY; /* of the gaps, in lengths a unit of time */
+    flow_step last = {0, 0};
     double allowed = fmin(t->options.flow_step, ERROR_SHARE * departure);
     for (*steps = 0; *steps < FLOW_STEPS;) {
         double move = 0;
@@ -248,9 +263,9 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
             allowed = fmin(t->options.flow_step,
                            ERROR_SHARE * haft_tracker_way(t, t->gap_before, from->gap));
         }
-        bool slows = move / before < speed;
-        speed = move / before;
-        if (slows && move < SETTLING && is_arriving(t, from)) {
+        flow_step previous = last;
+        last = (flow_step){before, move};
+        if (is_settling(previous, last) && is_arriving(t, from)) {
             if (arrive(t, from, to, departure)) {
                 if (haft_zone_is_clear(t, to->u)) {
                     swap(&t->here, to);

@@ -61,7 +61,9 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
     }
     double lambda = haft_branch_least_eigenvalue(t);
     double gained = t->here.energy.strain + t->here.energy.contact - ledger->energy_start;
-    ledger->worst = fmax(ledger->worst, fabs(ledger->work - ledger->dissipated - gained));
+    double missing = fabs(ledger->work - ledger->dissipated - gained);
+    ledger->worst = fmax(ledger->worst, missing);
+    t->ledger_left = fmax(0, t->options.ledger_tolerance * ledger->turnover - missing);
     path->point[path->points] = (haft_path_point){
         .load = t->here.load * t->load_unit,
         .deflection = haft_model_displacement(&t->model->load, t->here.u),

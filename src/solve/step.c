@@ -133,9 +133,7 @@ static void shrink(haft_walker *w, haft_step *step) {
     w->t->cost.rejected++;
     double factor = 0.5;
     if (isfinite(step->defect) && step->allowed > 0) {
-        bool knots =
-            step->control.site != NULL && w->t->laws[step->control.index].kind == HAFT_LAW_TABLE;
-        double power = knots ? 1.0 / 3 : 1.0 / 6;
+        double power = haft_tracker_meets_knots(w->t, step->control) ? 1.0 / 3 : 1.0 / 6;
         factor = fmin(0.7, fmax(0.1, 0.85 * pow(step->allowed / fabs(step->defect), power)));
     }
     w->eta *= factor;

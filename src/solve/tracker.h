@@ -85,6 +85,7 @@ typedef struct haft_tracker {
     double *null;           /* n: null vector at a fold */
     bool needs_refinement;  /* the factors alone lose too many digits */
     size_t not_finite;      /* evaluations that were not, since the last accepted state */
+    double ledger_left; /* what the ledger may still miss at `here`, beside new work's share [J] */
     haft_path_cost cost;
 } haft_tracker;
 
@@ -122,6 +123,11 @@ double haft_tracker_rounding(const haft_state *a, const haft_state *b);
 
 /* The control's value in a state. */
 double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state);
+
+/* Whether a step by this control passes knots of a table. */
+static inline bool haft_tracker_meets_knots(const haft_tracker *t, haft_control control) {
+    return control.site != NULL && t->laws[control.index].kind == HAFT_LAW_TABLE;
+}
 
 /* sum_k shape_k v_k / gap for a site, or for the load point. */
 double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v);
