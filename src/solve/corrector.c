@@ -246,7 +246,6 @@ static bool make_vectors(haft_corrector *c) {
     c->f_scale->ops->nvwl2norm = weighted_norm;
     c->y->ops->nvmaxnorm = max_norm;
     c->f_scale->ops->nvmaxnorm = max_norm;
-    c->y->ops->nvmin = least;
     c->y_scale->ops->nvmin = least;
     c->f_scale->ops->nvmin = least;
     N_VConst(1.0, c->y_scale);
