@@ -11,9 +11,9 @@ enum { LANES = HAFT_LAW_LANES, COLUMNS = 10 };
 
 struct haft_law_rows {
     size_t laws, stride;
-    double *value;                /* COLUMNS rows of the wings' numbers, stride each */
-    size_t tables;                /* how many there are */
-    const haft_law_table **table; /* laws: NULL where not one */
+    double *value;          /* COLUMNS rows of the wings' numbers, stride each */
+    size_t tables;          /* how many there are */
+    haft_table_head *table; /* laws: nil where not one */
 };
 
 static void put(haft_law_rows *rows, size_t i, haft_wings w) {
@@ -44,7 +44,7 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
         bool is_table = i < n && laws[i].kind == HAFT_LAW_TABLE;
         put(rows, i, i < n && !is_table ? haft_law_wings(&laws[i]) : (haft_wings){0});
         if (is_table) {
-            rows->table[i] = laws[i].table;
+            rows->table[i] = haft_law_table_head(laws[i].table);
             rows->tables++;
         }
     }

@@ -8,7 +8,7 @@
 
 #include "law/hermite.h"
 
-enum { CACHE_LINE = 64 };
+enum { CACHE_LINE = 64, AHEAD = 16 };
 
 /* One line of the cache: a beam's laws together are larger than it. */
 typedef struct piece {
@@ -19,9 +19,8 @@ typedef struct piece {
 
 struct haft_law_table {
     size_t pieces;
-    bool even;
-    double first, last, per_step;
-    double f_max, d_max; /* 0 and NaN if it never pulls */
+    double first, last, per_step; /* as in its head */
+    double f_max, d_max;          /* 0 and NaN if it never pulls */
     double range;
     piece piece[];
 };
@@ -96,8 +95,8 @@ haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *
     table->pieces = n - 1;
     table->first = distance[0];
     table->last = distance[n - 1];
-    table->even = haft_hermite_is_even(n, distance);
-    table->per_step = (double)(n - 1) / (table->last - table->first);
+    bool even = haft_hermite_is_even(n, distance);
+    table->per_step = even ? (double)(n - 1) / (table->last - table->first) : 0;
     table->f_max = pull;
     table->d_max = pull > 0 ? distance[at] : NAN;
     double potential = 0;
@@ -118,45 +117,41 @@ void haft_law_table_destroy(haft_law_table **table) {
     }
 }
 
-/* The piece that holds d, first <= d < last. */
-static inline const piece *find_piece(const haft_law_table *table, double d) {
-    const piece *all = table->piece;
-    size_t low = 0, high = table->pieces;
-    if (table->even) {
-        low = (size_t)((d - table->first) * table->per_step);
-        low = low < table->pieces ? low : table->pieces - 1;
-        double t = d - all[low].start;
-        if (t < 0) {
-            return all + low - (low > 0);
-        }
-        return all + low + (t >= all[low].cubic.width && low + 1 < table->pieces);
+haft_table_head haft_law_table_head(const haft_law_table *table) {
+    return table == NULL ? (haft_table_head){0}
+                         : (haft_table_head){table->first, table->last, table->per_step,
+                                             (double)(table->pieces - 1), table};
+}
+
+/* The piece that holds d, first <= d < last, or of an even grid perhaps one beside it: found
+ * without a look at any. */
+static inline const piece *guess_piece(haft_table_head head, double d) {
+    const haft_law_table *table = head.table;
+    if (head.per_step > 0) {
+        double at = (d - head.first) * head.per_step;
+        return table->piece + (size_t)(at > 0 ? at < head.most ? at : head.most : 0);
     }
+    size_t low = 0, high = table->pieces;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
-        if (all[middle].start <= d) {
+        if (table->piece[middle].start <= d) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    return all + low;
+    return table->piece + low;
 }
 
-static inline haft_law_value evaluate(const haft_law_table *table, double d) {
-    if (d >= table->last) {
-        return (haft_law_value){0};
+/* Value at d, first <= d < last, by the piece guessed. */
+static inline haft_law_value evaluate_piece(const haft_law_table *table, const piece *p, double d) {
+    double t = d - p->start;
+    if (t < 0 && p > table->piece) {
+        t = d - (--p)->start;
+    } else if (t >= p->cubic.width && p + 1 < table->piece + table->pieces) {
+        t = d - (++p)->start;
     }
-    const piece *p = table->piece;
     const double *c = p->cubic.c;
-    double t = d - table->first;
-    if (t < 0) {
-        return (haft_law_value){.force = c[0] + c[1] * t,
-                                .slope = c[1],
-                                .potential = p->potential - t * (c[0] + 0.5 * c[1] * t)};
-    }
-    p = find_piece(table, d);
-    c = p->cubic.c;
-    t = d - p->start;
     return (haft_law_value){
         .force = haft_hermite_value(&p->cubic, t),
         .slope = c[1] + t * (2 * c[2] + t * 3 * c[3]),
@@ -165,20 +160,53 @@ static inline haft_law_value evaluate(const haft_law_table *table, double d) {
     };
 }
 
-haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
-    return evaluate(table, d);
+/* Value at d, t = d - first < 0: the tangent. */
+static haft_law_value evaluate_wall(const haft_law_table *table, double t) {
+    const piece *p = table->piece;
+    const double *c = p->cubic.c;
+    return (haft_law_value){.force = c[0] + c[1] * t,
+                            .slope = c[1],
+                            .potential = p->potential - t * (c[0] + 0.5 * c[1] * t)};
 }
 
-void haft_law_tables_evaluate(const haft_law_table *const *table, size_t n, const double *d,
-                              const haft_law_values *out) {
+static inline haft_law_value evaluate(haft_table_head head, const piece *guess, double d) {
+    if (d >= head.last) {
+        return (haft_law_value){0};
+    }
+    return d < head.first ? evaluate_wall(head.table, d - head.first)
+                          : evaluate_piece(head.table, guess, d);
+}
+
+haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
+    haft_table_head head = haft_law_table_head(table);
+    return evaluate(head, guess_piece(head, d), d);
+}
+
+/* AHEAD tables at a time: the pieces of all are asked for before the first is used. */
+static void evaluate_some(const haft_table_head *head, size_t n, const double *d, size_t first,
+                          const haft_law_values *out) {
+    const piece *guess[AHEAD] = {NULL};
     for (size_t i = 0; i < n; i++) {
-        if (table[i] != NULL) {
-            haft_law_value x = evaluate(table[i], d[i]);
-            out->force[i] = x.force;
-            out->slope[i] = x.slope;
-            out->curvature[i] = x.curvature;
-            out->potential[i] = x.potential;
+        if (head[i].table != NULL && d[i] < head[i].last) {
+            guess[i] = guess_piece(head[i], d[i]);
+            __builtin_prefetch(guess[i]);
         }
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (head[i].table != NULL) {
+            haft_law_value x = evaluate(head[i], guess[i], d[i]);
+            out->force[first + i] = x.force;
+            out->slope[first + i] = x.slope;
+            out->curvature[first + i] = x.curvature;
+            out->potential[first + i] = x.potential;
+        }
+    }
+}
+
+void haft_law_tables_evaluate(const haft_table_head *head, size_t n, const double *d,
+                              const haft_law_values *out) {
+    for (size_t i = 0; i < n; i += AHEAD) {
+        evaluate_some(head + i, n - i < AHEAD ? n - i : AHEAD, d + i, i, out);
     }
 }
 
