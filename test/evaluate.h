@@ -13,7 +13,7 @@ static inline haft_energy evaluate(const haft_model *model, const haft_law *laws
     haft_law_rows *rows = NULL;
     check_ok(haft_law_rows_create(&rows, model->sites, laws, &error), error);
     haft_energy energy =
-        haft_model_evaluate(model, rows, u, load, gradient, hessian, force_scale, NULL);
+        haft_model_evaluate(model, rows, u, load, gradient, hessian, force_scale, NULL, NULL);
     haft_law_rows_destroy(&rows);
     return energy;
 }

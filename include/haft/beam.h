@@ -180,15 +180,13 @@ void haft_model_add_forces(const haft_model *model, const double *force, double 
  *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
  *  rounding error is measured against
  *  @param[out] gap [sites] may be NULL: the gaps the laws were read at [m]; inert sites' are left
- *  alone. Thread-safe. */
+ *  alone
+ *  @param[out] site_stiffness [sites] may be NULL: each site's part in the Hessian, -A_r f'_r(d_r)
+ *  in units of energy a square metre, for haft_model_multiply(); inert sites' are left alone.
+ *  Thread-safe. */
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
                                 double load, double *gradient, double *hessian, double *force_scale,
-                                double *gap);
-
-/** Each site's part in the Hessian at a state, -A_r f'_r(d_r) in units of energy a square metre,
- * for haft_model_multiply(). Thread-safe. */
-void haft_model_site_stiffness(const haft_model *model, const haft_law_rows *laws, const double *u,
-                               double *site_stiffness);
+                                double *gap, double *site_stiffness);
 
 /** y = H x, strain through the deformation modes and contact site by site: where elements are short
  *  the assembled Hessian's own product would lose digits like (length / element)^4. Thread-safe. */

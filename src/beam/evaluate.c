@@ -166,11 +166,11 @@ HAFT_CLONES static double largest_term(const double *top, size_t n, const double
     return largest;
 }
 
-/* Contact of all sites: their energy [J], their forces and stiffnesses into the sums, and their
- * gaps. */
+/* Contact of all sites: their energy [J], their forces and stiffnesses into the sums, and, where
+ * asked for, their gaps and their stiffnesses one by one. */
 static double add_contact(const haft_model *model, const haft_law_rows *laws, const double *u,
                           double *gradient, double *hessian, double *largest, double *rounding,
-                          double *gap) {
+                          double *gap, double *site_stiffness) {
     double energy = 0, pushed = 0;
     stretch_state state;
     for (size_t n = 0; n < model->layout->stretches; n++) {
@@ -181,6 +181,9 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
         }
         energy += weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit,
                                 &state, &pushed);
+        if (site_stiffness != NULL) {
+            memcpy(site_stiffness + s->first, state.slope, s->sites * sizeof *site_stiffness);
+        }
         haft_stretch_assemble(model, s, state.force, state.slope, gradient, hessian);
         if (largest != NULL) {
             const double *top = model->layout->top + s->first;
@@ -193,7 +196,7 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
 
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
                                 double load, double *gradient, double *hessian, double *force_scale,
-                                double *gap) {
+                                double *gap, double *site_stiffness) {
     haft_energy energy = {0};
     double largest = 0, strain_rounding = 0;
     double *term = force_scale != NULL ? &largest : NULL;
@@ -205,7 +208,8 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
     }
     energy.strain = model->energy_unit * add_strain(model, u, gradient, term, &strain_rounding);
     double rounding = 0;
-    energy.contact = add_contact(model, laws, u, gradient, hessian, term, &rounding, gap);
+    energy.contact =
+        add_contact(model, laws, u, gradient, hessian, term, &rounding, gap, site_stiffness);
     energy.rounding = 0x1p-53 * (strain_rounding * model->energy_unit + rounding);
     if (gradient != NULL) {
         add_load(&model->load, -load / model->energy_unit, gradient, &largest);
@@ -214,19 +218,6 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
         *force_scale = largest;
     }
     return energy;
-}
-
-void haft_model_site_stiffness(const haft_model *model, const haft_law_rows *laws, const double *u,
-                               double *site_stiffness) {
-    stretch_state state;
-    for (size_t n = 0; n < model->layout->stretches; n++) {
-        const haft_stretch *s = &model->layout->stretch[n];
-        double pushed = 0;
-        evaluate_stretch(model, s, laws, u, &state);
-        weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit, &state,
-                      &pushed);
-        memcpy(site_stiffness + s->first, state.slope, s->sites * sizeof(double));
-    }
 }
 
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,

@@ -28,7 +28,7 @@
 #define ENOUGH_OF_SECOND 1e-12
 
 /* What a step may spend of what the ledger has left. */
-#define SPENT 0.1
+#define SPENT 0.2
 
 /* Steps of iterative refinement, and of inverse iteration, at most. */
 enum { REFINEMENTS = 6, EIGEN_SWEEPS = 3 };
@@ -75,9 +75,8 @@ static void solve_refined(haft_tracker *t, double *x, double enough) {
     }
 }
 
-bool haft_branch_loses_digits(haft_tracker *t, const double *u) {
+bool haft_branch_loses_digits(haft_tracker *t) {
     double *b = t->scratch[0];
-    haft_model_site_stiffness(t->model, t->rows, u, t->site_stiffness);
     memset(b, 0, t->n * sizeof *b);
     haft_tracker_add_row(t, &t->model->load, 1, b);
     memcpy(t->solution, b, t->n * sizeof *b);
@@ -85,13 +84,10 @@ bool haft_branch_loses_digits(haft_tracker *t, const double *u) {
     return refine(t, b, t->solution) > LOST_DIGITS;
 }
 
-haft_inertia haft_branch_certify(haft_tracker *t, const double *u) {
+haft_inertia haft_branch_certify(haft_tracker *t) {
     haft_tracker_count_factorization(t);
     if (!haft_factor_update(t->factor, t->hessian)) {
         return (haft_inertia){-1, 0};
-    }
-    if (t->needs_refinement) {
-        haft_model_site_stiffness(t->model, t->rows, u, t->site_stiffness);
     }
     memset(t->solution, 0, t->n * sizeof *t->solution);
     haft_tracker_add_row(t, &t->model->load, 1, t->solution);
@@ -209,7 +205,7 @@ double haft_branch_least_eigenvalue(haft_tracker *t) {
     return lambda;
 }
 
-static void predict(haft_tracker *t, double dtau) {
+void haft_branch_predict(haft_tracker *t, double dtau) {
     for (size_t i = 0; i < t->n; i++) {
         t->next.u[i] = t->here.u[i] + dtau * (t->start.u1[i] + 0.5 * dtau * t->start.u2[i]);
     }
@@ -232,6 +228,10 @@ void haft_branch_book(haft_tracker *t, haft_step *step) {
         step->allowed = fmax(step->allowed, SPENT * t->ledger_left);
     }
     step->allowed += haft_tracker_rounding(&t->here, &t->next);
+}
+
+double haft_branch_defect_order(const haft_tracker *t, haft_control control) {
+    return haft_tracker_meets_knots(t, control) ? 3 : 6;
 }
 
 static double load_rate(const quintic *p, double s) {
@@ -264,7 +264,7 @@ static double deepest_dip(const haft_tracker *t, double dtau, double *depth) {
 }
 
 haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction) {
-    predict(t, step->dtau);
+    haft_branch_predict(t, step->dtau);
     double value = haft_control_value(t, step->control, &t->here) + step->dtau;
     step->moved = INFINITY;
     step->defect = INFINITY;
@@ -279,7 +279,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (!haft_zone_is_clear(t, t->next.u)) {
         return HAFT_STEP_LEAVES;
     }
-    step->inertia = haft_branch_certify(t, t->next.u);
+    step->inertia = haft_branch_certify(t);
     if (step->inertia.negative < 0) {
         return HAFT_STEP_REJECTED;
     }

@@ -26,6 +26,9 @@ enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
 /* No departure is shorter than this, in lengths: forces differ by their rounding alone there. */
 #define LEAST_DEPARTURE 1e-6
 
+/* A flow that has come back this near to its fold, in lengths, is taken to rest no nearer. */
+#define LEAST_WAY 1e-4
+
 /* Bounds of a change of the step size, and its margin. */
 #define GROWTH 4.0
 #define SHRINKAGE 0.25
@@ -130,8 +133,9 @@ static bool is_arriving(haft_tracker *t, const haft_state *state) {
 }
 
 /* Finishes by KINSOL from an arriving state; the result must be near it, stable, and neither higher
- * nor back at the fold that the flow came from, which it left by `departure` lengths: by the knots
- * of a table Newton can go back there, over a hill too low to show in the energy. */
+ * nor back at the fold that the flow came from, which it left by `departure` lengths, if it has not
+ * come back nearer itself: by the knots of a table Newton can go back there, over a hill too low to
+ * show in the energy. */
 static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *landed,
                    double departure) {
     memcpy(landed->u, flowing->u, t->n * sizeof(double));
@@ -140,13 +144,14 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
     if (!haft_corrector_solve(t, load, flowing->load, landed)) {
         return false;
     }
+    double come = haft_tracker_way(t, t->gap_before, flowing->gap);
     if (haft_tracker_way(t, flowing->gap, landed->gap) > 2 * ARRIVAL ||
-        haft_tracker_way(t, t->gap_before, landed->gap) < 0.5 * departure) {
+        haft_tracker_way(t, t->gap_before, landed->gap) <
+            0.5 * fmin(departure, fmax(come, LEAST_WAY))) {
         return false;
     }
     double rise = haft_tracker_potential(t, landed) - haft_tracker_potential(t, flowing);
-    return rise <= haft_tracker_rounding(landed, flowing) &&
-           haft_branch_certify(t, landed->u).negative == 0;
+    return rise <= haft_tracker_rounding(landed, flowing) && haft_branch_certify(t).negative == 0;
 }
 
 /* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */

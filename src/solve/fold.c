@@ -11,25 +11,24 @@
 
 enum { FOLD_ITERATIONS = 60 };
 
-/* The root counts as found when |dP/dtau| has fallen to this share of the branch's own. */
+/* The root counts as found when |dP/dtau| has fallen to this share of the branch's own, or when
+ * Newton would move its place by less than this share of the step: rounding in the rate can keep
+ * the first from coming true, and of the load that is nothing. */
 #define FOLD_TOLERANCE 1e-10
+#define PLACE_TOLERANCE 1e-8
 
 typedef struct bracket {
     double stable, beyond; /* dtau from `here` on both sides of the fold */
-    double slope;          /* |dP/dtau| on the stable side at the start */
 } bracket;
 
 /* Solves for the branch at dtau; t->next and t->end hold it. */
 static bool evaluate_at(haft_tracker *t, haft_step *step, double dtau, haft_inertia *inertia) {
-    for (size_t i = 0; i < t->n; i++) {
-        t->next.u[i] = t->here.u[i] + dtau * (t->start.u1[i] + 0.5 * dtau * t->start.u2[i]);
-    }
-    t->next.load = t->here.load + dtau * (t->start.load1 + 0.5 * dtau * t->start.load2);
+    haft_branch_predict(t, dtau);
     double value = haft_control_value(t, step->control, &t->here) + dtau;
     if (!haft_corrector_solve(t, step->control, value, &t->next)) {
         return false;
     }
-    *inertia = haft_branch_certify(t, t->next.u);
+    *inertia = haft_branch_certify(t);
     if (inertia->negative < 0) {
         return false;
     }
@@ -43,28 +42,25 @@ static double next_guess(const haft_tracker *t, const bracket *b, double dtau, b
     return gaining && newton > low && newton < high ? newton : 0.5 * (b->stable + b->beyond);
 }
 
+static bool is_found(const haft_tracker *t, const bracket *b, double defect, double length) {
+    return defect < FOLD_TOLERANCE ||
+           fabs(t->end.load1) <= PLACE_TOLERANCE * length * fabs(t->end.load2) ||
+           fabs(b->beyond - b->stable) < 1e-14 * length;
+}
+
 bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *defect) {
-    bracket b = {0, step->dtau, fabs(t->start.load1)};
-    double length = fabs(step->dtau);
-    double dtau = step->dtau - t->end.load1 / t->end.load2;
-    if (!(dtau * step->sign > 0 && fabs(dtau) < length)) {
-        dtau = 0.5 * step->dtau;
-    }
-    double last = INFINITY;
+    bracket b = {0, step->dtau};
+    double length = fabs(step->dtau), last = INFINITY;
+    double dtau = next_guess(t, &b, step->dtau, true);
     t->cost.folds++;
     for (int i = 0; i < FOLD_ITERATIONS; i++) {
         haft_inertia inertia;
         if (!evaluate_at(t, step, dtau, &inertia)) {
             return false;
         }
-        double slope = t->end.load1 * step->sign * direction;
-        if (slope > 0) {
-            b.stable = dtau;
-        } else {
-            b.beyond = dtau;
-        }
-        *defect = fabs(slope) / b.slope;
-        if (*defect < FOLD_TOLERANCE || fabs(b.beyond - b.stable) < 1e-14 * length) {
+        *(t->end.load1 * step->sign * direction > 0 ? &b.stable : &b.beyond) = dtau;
+        *defect = fabs(t->end.load1 / t->start.load1);
+        if (is_found(t, &b, *defect, length)) {
             memcpy(t->null, t->end.u1, t->n * sizeof(double));
             step->dtau = dtau;
             haft_branch_book(t, step);

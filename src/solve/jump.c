@@ -66,10 +66,18 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, dou
     return HAFT_OUTCOME_STUCK;
 }
 
+/* Whether the stretch up to the fold, by the secant of the load's rate, will miss more energy than
+ * is allowed, by what the whole step misses. */
+static bool is_too_long(const haft_tracker *t, const haft_step *step) {
+    double share = t->start.load1 / (t->start.load1 - t->end.load1);
+    double order = haft_branch_defect_order(t, step->control);
+    return fabs(step->defect) * pow(share, order) > step->allowed;
+}
+
 haft_step_result haft_jump_locate_fold(haft_walker *w, haft_step *step, double limit,
                                        double *defect) {
     haft_tracker *t = w->t;
-    if (!haft_fold_locate(t, step, w->direction, defect)) {
+    if (is_too_long(t, step) || !haft_fold_locate(t, step, w->direction, defect)) {
         return HAFT_STEP_REJECTED;
     }
     if ((t->next.load - limit) * w->direction >= 0) {
@@ -94,7 +102,8 @@ static double energy_beside(haft_tracker *t, double amplitude) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }
     t->spare.load = t->here.load;
-    t->spare.energy = haft_model_evaluate(t->model, t->rows, t->spare.u, 0, NULL, NULL, NULL, NULL);
+    t->spare.energy =
+        haft_model_evaluate(t->model, t->rows, t->spare.u, 0, NULL, NULL, NULL, NULL, NULL);
     return haft_tracker_potential(t, &t->spare);
 }
 

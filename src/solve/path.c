@@ -37,7 +37,7 @@ bool haft_walker_reached(const haft_walker *w, haft_state *state) {
 
 /* `here` on the mesh just entered. */
 static void settle(haft_walker *w) {
-    haft_branch_certify(w->t, w->t->here.u);
+    haft_branch_certify(w->t);
     w->arrived = false;
 }
 
@@ -93,11 +93,11 @@ static haft_outcome walk(haft_walker *w) {
     if (!haft_corrector_solve(t, load, 0, &t->here)) {
         return t->not_finite > 0 ? HAFT_OUTCOME_NOT_FINITE : HAFT_OUTCOME_STEP_STALLED;
     }
-    if (haft_branch_certify(t, t->here.u).negative != 0) {
+    if (haft_branch_certify(t).negative != 0) {
         return HAFT_OUTCOME_STEP_STALLED;
     }
-    t->needs_refinement = haft_branch_loses_digits(t, t->here.u);
-    haft_branch_certify(t, t->here.u);
+    t->needs_refinement = haft_branch_loses_digits(t);
+    haft_branch_certify(t);
     w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
     haft_walker_record(w, -1);
     w->eta = t->options.gap_step;

@@ -18,6 +18,10 @@
 /* What a state that is off its branch may miss in the ledger, in units of its rounding. */
 #define OFF_BRANCH 1e4
 
+/* A step is at most so many times the one before: where a table's knots have cut it, there are more
+ * of them ahead. */
+#define GROWTH 1.3
+
 /* A gap that moves less than this share of the largest move does not choose where a step ends. */
 #define KINK_SHARE 0.05
 
@@ -123,18 +127,17 @@ static void accept(haft_walker *w, const haft_step *step) {
     double used =
         fmax(fabs(step->defect) / step->allowed, pow(step->moved / HAFT_CORRECTION_LIMIT, 2));
     double factor = 0.85 * pow(fmax(used, 1e-6), -1.0 / 6);
-    w->eta = fmin(w->t->options.gap_step, w->eta * fmin(2, fmax(0.3, factor)));
+    w->eta = fmin(w->t->options.gap_step, w->eta * fmin(GROWTH, fmax(0.3, factor)));
     haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
-/* Cuts a step by what its defect exceeds: that falls with the sixth power of the step where the
- * laws are smooth, and more slowly where they are tables, for their knots. */
+/* Cuts a step by what its defect exceeds. */
 static void shrink(haft_walker *w, haft_step *step) {
     w->t->cost.rejected++;
     double factor = 0.5;
     if (isfinite(step->defect) && step->allowed > 0) {
-        double power = haft_tracker_meets_knots(w->t, step->control) ? 1.0 / 3 : 1.0 / 6;
-        factor = fmin(0.7, fmax(0.1, 0.85 * pow(step->allowed / fabs(step->defect), power)));
+        double order = haft_branch_defect_order(w->t, step->control);
+        factor = fmin(0.7, fmax(0.1, 0.85 * pow(step->allowed / fabs(step->defect), 1 / order)));
     }
     w->eta *= factor;
     step->dtau *= factor;

@@ -8,7 +8,7 @@
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        t->hessian, force_scale, t->gap);
+                                        t->hessian, force_scale, t->gap, t->site_stiffness);
     if (energy != NULL) {
         *energy = e;
     }
@@ -22,7 +22,7 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        NULL, NULL, NULL);
+                                        NULL, NULL, NULL, NULL);
     double sum = e.strain + e.contact;
     t->not_finite += !isfinite(sum);
     return isfinite(sum);

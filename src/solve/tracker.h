@@ -78,7 +78,7 @@ typedef struct haft_tracker {
     double *pair;                        /* 2 n: two right-hand sides solved together */
     double *gap_before;                  /* sites: before a jump [m] */
     double *site[HAFT_SITE_SCRATCH];     /* haft_law_lanes(sites) each: scratch */
-    double *site_stiffness;              /* sites: at the state last certified, for refinement */
+    double *site_stiffness;              /* sites: at the state last evaluated, for refinement */
     haft_state here, next, spare;        /* accepted, tried, and the flow's second */
     haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
     haft_branch rebased;    /* start, kept while another control is tried */
@@ -187,12 +187,13 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
 /* ---- branch.c
  * ------------------------------------------------------------------------------------- */
 
-/* Factors the Hessian at the state last evaluated, u, and sets t->solution. @return its inertia,
+/* Factors the Hessian at the state last evaluated and sets t->solution. @return its inertia,
  * with negative = -1 if it could not be factored. */
-haft_inertia haft_branch_certify(haft_tracker *t, const double *u);
+haft_inertia haft_branch_certify(haft_tracker *t);
 
-/* Whether solutions by the factors at hand, those of the Hessian at u, lose too many digits. */
-bool haft_branch_loses_digits(haft_tracker *t, const double *u);
+/* Whether solutions by the factors at hand, of the state last evaluated, lose too many
+ * digits. */
+bool haft_branch_loses_digits(haft_tracker *t);
 
 /* Derivatives at a certified state. `side` is the sign of dtau of the motion on whose side the
  * laws' kinks are read: where it leads when leaving, where it comes from (pass -sign) when
@@ -203,6 +204,9 @@ void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_control c
 /* The same branch by another control: derivatives by the chain rule. @return the dtau of the new
  * control that one unit of the old one's is, to first order. */
 double haft_branch_rebase(const haft_tracker *t, haft_control control, haft_branch *branch);
+
+/* Puts into `next` what lies dtau from `here`, by the derivatives there. */
+void haft_branch_predict(haft_tracker *t, double dtau);
 
 /* Work of the load [J] between `here` and `next` over dtau, by quintic interpolation of load and
  * deflection from both ends' derivatives. */
@@ -237,6 +241,10 @@ typedef struct haft_step {
 
 /* Sets the step's work, defect and allowance from `here` to `next`. */
 void haft_branch_book(haft_tracker *t, haft_step *step);
+
+/* The power of a step's size with which its defect falls: that of the quintic where the laws are
+ * smooth, less where they are tables, for their knots. */
+double haft_branch_defect_order(const haft_tracker *t, haft_control control);
 
 /* Predicts, corrects, certifies and books a step from `here`, whose derivatives are in t->start. */
 haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction);

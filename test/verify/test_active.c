@@ -91,7 +91,7 @@ static balance weigh(const random_beam *b, const haft_model *m, const double *u,
     haft_law_rows *rows = NULL;
     check_ok(haft_law_rows_create(&rows, m->sites, b->law, &error), error);
     double *gradient = haft_memory_alloc(m->dofs, sizeof *gradient, &error), scale = 0;
-    balance x = {haft_model_evaluate(m, rows, u, load, gradient, NULL, &scale, NULL), 0};
+    balance x = {haft_model_evaluate(m, rows, u, load, gradient, NULL, &scale, NULL, NULL), 0};
     for (size_t i = 0; i < m->dofs; i++) {
         x.residual = fmax(x.residual, fabs(gradient[i]) / scale);
     }
