@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sweep: its variants are cases of their own under CASE/out, run one after another, so that each
- * can be looked at, drawn or run again alone. */
+ * can be looked at, drawn or run again alone. Laws that are read off the same patches are built
+ * together beforehand, for the surfaces are most of their cost. */
 #include "sweep.h"
 
 #include "draw.h"
@@ -161,6 +162,103 @@ static haft_status make_variant(const sweep *s, size_t i, const char *folder, ha
     return status;
 }
 
+/* Variants whose laws are read off the same patches, and where these will lie. */
+typedef struct group {
+    size_t n;
+    const haft_case **c;
+    haft_laws **laws;
+    char (*path)[PATH_CAPACITY];
+} group;
+
+static void close_group(group *g) {
+    for (size_t i = 0; i < g->n; i++) {
+        haft_laws_destroy(&g->laws[i]);
+    }
+    haft_memory_free(g->c);
+    haft_memory_free(g->laws);
+    haft_memory_free(g->path);
+}
+
+/* Whether a variant's laws come from patches and are still to be built; `path` is where to. */
+static bool lacks_laws(const sweep *s, size_t i, const char *folder, haft_run_mode mode,
+                       char path[PATH_CAPACITY]) {
+    char variant[PATH_CAPACITY], results[PATH_CAPACITY];
+    return haft_sampler_is_stochastic(s->c[i]->law.sampler) &&
+           variant_folder(variant, folder, s->c[i], NULL) == HAFT_OK &&
+           case_out_path(results, variant, "results.h5", NULL) == HAFT_OK &&
+           (mode == HAFT_RUN_ANEW || access(results, F_OK) != 0) &&
+           case_out_path(path, variant, "laws.h5", NULL) == HAFT_OK && !has_laws(s, i, path);
+}
+
+/* Whether an earlier variant in the group has the same laws, which variant i takes over. */
+static bool is_in_group(const sweep *s, const group *g, size_t i) {
+    for (size_t k = 0; k < i; k++) {
+        for (size_t n = 0; n < g->n && strcmp(s->inputs[k], s->inputs[i]) == 0; n++) {
+            if (g->c[n] == s->c[k]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Gathers variant `first` and those after it that have its patches. One whose folder cannot be made
+ * is left for its own turn to tell why. */
+static void find_group(group *g, const sweep *s, size_t first, const char *folder,
+                       haft_run_mode mode) {
+    char wanted[HAFT_DIGEST_CAPACITY], digest[HAFT_DIGEST_CAPACITY], variant[PATH_CAPACITY];
+    if (haft_case_patches_digest(s->c[first], wanted, NULL) != HAFT_OK) {
+        return;
+    }
+    for (size_t i = first; i < s->variants; i++) {
+        if (lacks_laws(s, i, folder, mode, g->path[g->n]) &&
+            haft_case_patches_digest(s->c[i], digest, NULL) == HAFT_OK &&
+            strcmp(digest, wanted) == 0 && !is_in_group(s, g, i) &&
+            make_variant(s, i, folder, mode, variant, NULL) == HAFT_OK) {
+            g->c[g->n++] = s->c[i];
+        }
+    }
+}
+
+/* Builds the laws of a group at once, and saves them; of one alone they are left to its run. */
+static haft_status build_group(group *g, terminal *t, haft_error *error) {
+    if (g->n < 2) {
+        return HAFT_OK;
+    }
+    char text[100];
+    haft_progress progress = terminal_progress(t);
+    terminal_close_line(t);
+    snprintf(text, sizeof text, "building the laws of %zu variants at once, off the same patches",
+             g->n);
+    progress.note(progress.user, text);
+    haft_status status = haft_study_build_laws_together(g->laws, g->c, g->n, &progress, error);
+    for (size_t i = 0; i < g->n && status == HAFT_OK; i++) {
+        if (g->laws[i] != NULL) {
+            status = haft_laws_write(g->laws[i], g->c[i], g->path[i], error);
+        }
+    }
+    return status;
+}
+
+/* Before variant i is run: the laws that it and later ones read off the same patches. */
+static haft_status build_together(const sweep *s, size_t i, const char *folder, haft_run_mode mode,
+                                  terminal *t, haft_error *error) {
+    char path[PATH_CAPACITY];
+    if (!lacks_laws(s, i, folder, mode, path)) {
+        return HAFT_OK;
+    }
+    group g = {.c = haft_memory_alloc(s->variants, sizeof *g.c, error),
+               .laws = haft_memory_alloc(s->variants, sizeof *g.laws, error),
+               .path = haft_memory_alloc(s->variants, sizeof *g.path, error)};
+    haft_status status = g.c && g.laws && g.path ? HAFT_OK : HAFT_ERROR_MEMORY;
+    if (status == HAFT_OK) {
+        find_group(&g, s, i, folder, mode);
+        status = build_group(&g, t, error);
+    }
+    close_group(&g);
+    return status;
+}
+
 /* A variant that was never begun has nothing to resume. */
 static haft_run_mode mode_of(haft_run_mode mode, const char *variant) {
     char results[PATH_CAPACITY], parts[PATH_CAPACITY];
@@ -176,6 +274,9 @@ static haft_status run_variant(sweep *s, size_t i, bool *complete, const char *f
     haft_summary *summary = NULL;
     *complete = false;
     haft_status status = make_variant(s, i, folder, mode, path, error);
+    if (status == HAFT_OK && haft_study_rank() == 0) {
+        status = build_together(s, i, folder, mode, t, error);
+    }
     if (status != HAFT_OK) {
         (void)haft_study_ranks_agree(false);
         return status;

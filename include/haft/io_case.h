@@ -290,6 +290,11 @@ haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) H
 haft_status haft_case_write(const haft_case *c, const char *path,
                             haft_error *error) HAFT_MUST_CHECK;
 
+/** Digest of all that the surfaces of a stochastic sampler's patches depend on, and of how many
+ *  there are: cases of the same digest read their laws off the same patches. */
+haft_status haft_case_patches_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
+                                     haft_error *error) HAFT_MUST_CHECK;
+
 /** Digest of all that a law depends on (surface with the contents of the files it names, contact,
  * f_limit, the beam's width, l_meso, seed, the program's version; of a direct sampler which; of a
  * stochastic one law.chaos, whichever it is): what must not change for laws.h5 to stay valid. How

@@ -56,6 +56,19 @@ size_t haft_study_block_patches(const haft_case *c);
 haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
                                   const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
 
+/** The same of n cases of stochastic samplers that have the same patches, each surface made once
+ *  for all of them.
+ *  @param[out] out [n]; NULL where a case's patches do not make its model, which does not fail:
+ *  built alone it tells why
+ *  @param[in] c [n] cases of one haft_case_patches_digest()
+ *  @param[in] n how many, > 0
+ *  @param[in] progress may be NULL
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INTERRUPTED if stopped; after a failure all are NULL. */
+haft_status haft_study_build_laws_together(haft_laws **out, const haft_case *const *c, size_t n,
+                                           const haft_progress *progress,
+                                           haft_error *error) HAFT_MUST_CHECK;
+
 /** Digest of the laws a case uses: of its inputs, and of the vectors too where the laws at `path`
  *  were fitted to some by those inputs. */
 haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,

@@ -157,6 +157,16 @@ static void write_case(FILE *stream, const haft_case *c) {
     }
 }
 
+static void write_input(FILE *stream, const haft_case *c, const haft_key *key) {
+    fprintf(stream, "%s: ", key->path);
+    if (key->type == HAFT_KEY_FILES) {
+        write_files(stream, field_of(c, key), true);
+    } else {
+        write_value(stream, c, key);
+    }
+    fputc('\n', stream);
+}
+
 /* What the laws depend on, a line each; a new version of the program may compute them otherwise. */
 static void write_laws_inputs(FILE *stream, const haft_case *c) {
     bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
@@ -165,13 +175,22 @@ static void write_laws_inputs(FILE *stream, const haft_case *c) {
     for (size_t i = 0; i < haft_case_key_count; i++) {
         const haft_key *key = &haft_case_keys[i];
         if ((key->laws == HAFT_LAWS_ALWAYS || key->laws == (int)other) && is_present(c, key)) {
-            fprintf(stream, "%s: ", key->path);
-            if (key->type == HAFT_KEY_FILES) {
-                write_files(stream, field_of(c, key), true);
-            } else {
-                write_value(stream, c, key);
-            }
-            fputc('\n', stream);
+            write_input(stream, c, key);
+        }
+    }
+}
+
+/* What the patches' surfaces depend on. */
+static void write_patch_inputs(FILE *stream, const haft_case *c) {
+    static const char *const paths[] = {"seed", "beam.width", "beam.l_meso", "law.chaos.vectors"};
+    for (size_t i = 0; i < haft_case_key_count; i++) {
+        const haft_key *key = &haft_case_keys[i];
+        bool shapes = strncmp(key->path, "surface.", strlen("surface.")) == 0;
+        for (size_t k = 0; k < sizeof paths / sizeof *paths; k++) {
+            shapes |= strcmp(key->path, paths[k]) == 0;
+        }
+        if (shapes && is_present(c, key)) {
+            write_input(stream, c, key);
         }
     }
 }
@@ -219,16 +238,26 @@ haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) {
     return *text == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
 }
 
-haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
-                                  haft_error *error) {
+static haft_status digest_text(const haft_case *c, void (*write)(FILE *, const haft_case *),
+                               char digest[HAFT_DIGEST_CAPACITY], haft_error *error) {
     char *written = NULL;
     size_t size = 0;
-    haft_status status = write_text(&written, &size, c, write_laws_inputs, error);
+    haft_status status = write_text(&written, &size, c, write, error);
     if (status == HAFT_OK) {
         haft_digest_memory(written, size, digest);
         free(written);
     }
     return status;
+}
+
+haft_status haft_case_laws_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
+                                  haft_error *error) {
+    return digest_text(c, write_laws_inputs, digest, error);
+}
+
+haft_status haft_case_patches_digest(const haft_case *c, char digest[HAFT_DIGEST_CAPACITY],
+                                     haft_error *error) {
+    return digest_text(c, write_patch_inputs, digest, error);
 }
 
 haft_status haft_case_write(const haft_case *c, const char *path, haft_error *error) {

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The laws of all realizations at once, or of a model's patches: blocks of surface are independent
- * of each other, so they are dealt out to threads; each writes its own patches' rows, and nothing
- * depends on who did which. All is in memory until all is done. */
+/* The laws of all realizations at once, or of a model's patches, of one case or of several that
+ * share their surfaces: blocks of surface are independent of each other, so they are dealt out to
+ * threads; each writes its own patches' rows, and nothing depends on who did which. All is in
+ * memory until all is done. */
 #include "builder.h"
 
 #include <omp.h>
 
 /* What the whole build shares. */
 typedef struct build {
-    const haft_builder *builder;
+    size_t cases;
+    haft_builder **builder; /* one a case, the first with the surfaces */
+    haft_laws **laws;
     size_t sets, blocks; /* blocks a set */
-    haft_laws *laws;
     int hands;
     haft_builder_hand **hand;
     const haft_progress *progress;
@@ -19,8 +21,9 @@ typedef struct build {
 
 static haft_status do_task(const build *b, haft_builder_hand *hand, size_t task,
                            haft_error *error) {
-    size_t set = task / b->blocks, block = b->builder->first_block + task % b->blocks;
-    return haft_builder_block(b->builder, hand, set, block, b->laws, set * b->laws->sites, error);
+    size_t set = task / b->blocks, block = b->builder[0]->first_block + task % b->blocks;
+    return haft_builder_block((const haft_builder *const *)b->builder, b->cases, hand, set, block,
+                              b->laws, set * b->laws[0]->sites, error);
 }
 
 static bool stopped(const haft_progress *progress) {
@@ -80,7 +83,8 @@ static haft_status run_build(build *b, haft_error *error) {
     }
     haft_status status = HAFT_OK;
     for (int i = 0; i < b->hands && status == HAFT_OK; i++) {
-        status = haft_builder_hand_create(&b->hand[i], b->builder, error);
+        status = haft_builder_hand_create(&b->hand[i], (const haft_builder *const *)b->builder,
+                                          b->cases, error);
     }
     if (status == HAFT_OK) {
         status = do_all_blocks(b, error);
@@ -112,31 +116,75 @@ static haft_status drop_curves(haft_laws **laws, const haft_case *c, haft_error 
     return status;
 }
 
-haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
-                                  const haft_progress *progress, haft_error *error) {
-    *out = NULL;
-    haft_builder *builder = NULL;
-    bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
-    build b = {.sets = stochastic ? 1 : c->realizations, .progress = progress};
-    haft_status status = haft_builder_create(&builder, c, error);
-    if (status == HAFT_OK) {
-        b.builder = builder;
-        b.blocks = builder->end_block - builder->first_block;
-        status = haft_builder_room(&b.laws, builder, b.sets, error);
+/* Builders and room for all cases; the first case's blocks are those of all. */
+static haft_status prepare(build *b, const haft_case *const *c, haft_error *error) {
+    b->builder = haft_memory_alloc(b->cases, sizeof *b->builder, error);
+    haft_status status = b->builder == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    for (size_t i = 0; i < b->cases && status == HAFT_OK; i++) {
+        status = haft_builder_create(&b->builder[i], c[i], i > 0 ? b->builder[0] : NULL, error);
+        if (status == HAFT_OK) {
+            status = haft_builder_room(&b->laws[i], b->builder[i], b->sets, error);
+        }
     }
+    if (status == HAFT_OK) {
+        b->blocks = b->builder[0]->end_block - b->builder[0]->first_block;
+    }
+    return status;
+}
+
+/* The curves of all cases, as they come from the surfaces; after a failure all are NULL. */
+static haft_status read_off(haft_laws **out, const haft_case *const *c, size_t cases, size_t sets,
+                            const haft_progress *progress, haft_error *error) {
+    build b = {.cases = cases, .laws = out, .sets = sets, .progress = progress};
+    haft_status status = prepare(&b, c, error);
     if (status == HAFT_OK) {
         status = run_build(&b, error);
     }
-    if (status == HAFT_OK && c->curves != HAFT_CURVES_ALL) {
-        status = drop_curves(&b.laws, c, error);
+    for (size_t i = 0; i < cases; i++) {
+        if (b.builder != NULL) {
+            haft_builder_destroy(&b.builder[i]);
+        }
+        if (status != HAFT_OK) {
+            haft_laws_destroy(&out[i]);
+        }
+    }
+    haft_memory_free(b.builder);
+    return status;
+}
+
+/* The curves that the case keeps, and the model if it asks for one; after a failure NULL. */
+static haft_status finish(haft_laws **laws, const haft_case *c, haft_error *error) {
+    haft_status status = HAFT_OK;
+    bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
+    if (c->curves != HAFT_CURVES_ALL) {
+        status = drop_curves(laws, c, error);
     }
     if (status == HAFT_OK && stochastic && !haft_study_draws_patches(c)) {
-        status = haft_study_build_chaos(b.laws, c, error);
+        status = haft_study_build_chaos(*laws, c, error);
     }
-    haft_builder_destroy(&builder);
     if (status != HAFT_OK) {
-        haft_laws_destroy(&b.laws);
+        haft_laws_destroy(laws);
     }
-    *out = b.laws;
+    return status;
+}
+
+haft_status haft_study_build_laws(haft_laws **out, const haft_case *c,
+                                  const haft_progress *progress, haft_error *error) {
+    *out = NULL;
+    size_t sets = haft_sampler_is_stochastic(c->law.sampler) ? 1 : c->realizations;
+    haft_status status = read_off(out, &c, 1, sets, progress, error);
+    return status == HAFT_OK ? finish(out, c, error) : status;
+}
+
+haft_status haft_study_build_laws_together(haft_laws **out, const haft_case *const *c, size_t n,
+                                           const haft_progress *progress, haft_error *error) {
+    for (size_t i = 0; i < n; i++) {
+        out[i] = NULL;
+    }
+    haft_status status = read_off(out, c, n, 1, progress, error);
+    for (size_t i = 0; i < n && status == HAFT_OK; i++) {
+        haft_error own = {0};
+        (void)!finish(&out[i], c[i], &own);
+    }
     return status;
 }

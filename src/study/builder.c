@@ -131,8 +131,13 @@ void haft_builder_hand_destroy(haft_builder_hand **hand) {
     *hand = NULL;
 }
 
-static haft_status fill_hand(haft_builder_hand *w, const haft_builder *b, haft_error *error) {
-    size_t rows = rows_of(b->c), columns = columns_of(b->c);
+static haft_status fill_hand(haft_builder_hand *w, const haft_builder *const *builder, size_t n,
+                             haft_error *error) {
+    const haft_builder *b = builder[0];
+    size_t rows = rows_of(b->c), columns = columns_of(b->c), distances = 0;
+    for (size_t i = 0; i < n; i++) {
+        distances = builder[i]->n > distances ? builder[i]->n : distances;
+    }
     haft_status status = HAFT_OK;
     if (b->plan != NULL) {
         status = haft_surface_work_create(&w->surface, b->plan, error);
@@ -144,17 +149,17 @@ static haft_status fill_hand(haft_builder_hand *w, const haft_builder *b, haft_e
         return status;
     }
     w->z = haft_memory_alloc(rows * columns, sizeof(double), error);
-    w->contact_area = haft_memory_alloc(b->n, sizeof(double), error);
-    w->wet_area = haft_memory_alloc(b->n, sizeof(double), error);
-    w->asperities = haft_memory_alloc(b->n, sizeof(double), error);
+    w->contact_area = haft_memory_alloc(distances, sizeof(double), error);
+    w->wet_area = haft_memory_alloc(distances, sizeof(double), error);
+    w->asperities = haft_memory_alloc(distances, sizeof(double), error);
     bool all = w->z && w->contact_area && w->wet_area && w->asperities;
     return all ? HAFT_OK : HAFT_ERROR_MEMORY;
 }
 
-haft_status haft_builder_hand_create(haft_builder_hand **out, const haft_builder *b,
-                                     haft_error *error) {
+haft_status haft_builder_hand_create(haft_builder_hand **out, const haft_builder *const *b,
+                                     size_t n, haft_error *error) {
     *out = haft_memory_alloc(1, sizeof **out, error);
-    haft_status status = *out == NULL ? HAFT_ERROR_MEMORY : fill_hand(*out, b, error);
+    haft_status status = *out == NULL ? HAFT_ERROR_MEMORY : fill_hand(*out, b, n, error);
     if (status != HAFT_OK) {
         haft_builder_hand_destroy(out);
     }
@@ -171,7 +176,17 @@ void haft_builder_destroy(haft_builder **builder) {
     }
 }
 
-haft_status haft_builder_create(haft_builder **out, const haft_case *c, haft_error *error) {
+/* Where the patches come from: windows of maps, or a plan for surfaces. */
+static haft_status make_surfaces(haft_builder *b, haft_error *error) {
+    haft_status status = haft_study_tiling(&b->tiling, b->c, error);
+    if (status == HAFT_OK && b->tiling == NULL) {
+        status = haft_study_surface_plan(&b->plan, b->c, b->block_patches, error);
+    }
+    return status;
+}
+
+haft_status haft_builder_create(haft_builder **out, const haft_case *c,
+                                const haft_builder *surfaces, haft_error *error) {
     *out = NULL;
     haft_builder *b = haft_memory_alloc(1, sizeof *b, error);
     if (b == NULL) {
@@ -187,11 +202,8 @@ haft_status haft_builder_create(haft_builder **out, const haft_case *c, haft_err
     b->first_block = b->first_site / b->block_patches;
     b->end_block = (b->end_site + b->block_patches - 1) / b->block_patches;
     haft_status status = haft_study_contact_spec(&b->contact, c, error);
-    if (status == HAFT_OK) {
-        status = haft_study_tiling(&b->tiling, c, error);
-    }
-    if (status == HAFT_OK && b->tiling == NULL) {
-        status = haft_study_surface_plan(&b->plan, c, b->block_patches, error);
+    if (status == HAFT_OK && surfaces == NULL) {
+        status = make_surfaces(b, error);
     }
     if (status == HAFT_OK && b->contact.has_vdw) {
         status = haft_maugis_table_create(&b->maugis, error);
@@ -258,22 +270,34 @@ static haft_status enter_patch(const haft_builder *b, haft_builder_hand *w, haft
     return HAFT_OK;
 }
 
-haft_status haft_builder_block(const haft_builder *b, haft_builder_hand *w, size_t realization,
-                               size_t block, haft_laws *laws, size_t row, haft_error *error) {
+/* Laws of the patch in w->z by all n builders, into row k. */
+static haft_status enter_patches(const haft_builder *const *b, size_t n, haft_builder_hand *w,
+                                 haft_laws *const *laws, size_t k, haft_error *error) {
+    haft_status status = HAFT_OK;
+    for (size_t i = 0; i < n && status == HAFT_OK; i++) {
+        status = enter_patch(b[i], w, laws[i], k, error);
+    }
+    return status;
+}
+
+haft_status haft_builder_block(const haft_builder *const *all, size_t n, haft_builder_hand *w,
+                               size_t realization, size_t block, haft_laws *const *laws, size_t row,
+                               haft_error *error) {
+    const haft_builder *b = all[0];
     size_t rows = rows_of(b->c), start = block * b->block_patches;
     size_t first = start < b->first_site ? b->first_site : start;
     size_t end = start + b->block_patches < b->end_site ? start + b->block_patches : b->end_site;
     bool whole = b->c->law.sampler == HAFT_SAMPLER_EXPLICIT;
     if (b->tiling != NULL) {
         haft_tiling_fill(b->tiling, realization, block, w->z);
-        return enter_patch(b, w, laws, row + first - b->first_site, error);
+        return enter_patches(all, n, w, laws, row + first - b->first_site, error);
     }
     haft_status status = haft_surface_prepare(w->surface, realization, whole ? 0 : block,
                                               whole ? (long)(start * rows) : 0, error);
     for (size_t r = first; r < end && status == HAFT_OK; r++) {
         status = haft_surface_rows(w->surface, (r - start) * rows, rows, w->z, error);
         if (status == HAFT_OK) {
-            status = enter_patch(b, w, laws, row + r - b->first_site, error);
+            status = enter_patches(all, n, w, laws, row + r - b->first_site, error);
         }
     }
     return status;
@@ -285,7 +309,7 @@ haft_status haft_builder_realize(haft_laws **out, const haft_builder *b, haft_bu
     *out = NULL;
     haft_status status = haft_builder_room(&all, b, 1, error);
     for (size_t k = b->first_block; k < b->end_block && status == HAFT_OK; k++) {
-        status = haft_builder_block(b, w, realization, k, all, 0, error);
+        status = haft_builder_block(&b, 1, w, realization, k, &all, 0, error);
     }
     if (status == HAFT_OK) {
         status = haft_study_take_laws(out, b->c, all, 0, realization, error);

@@ -18,24 +18,27 @@ typedef struct haft_builder {
     size_t block_patches, first_block, end_block;
 } haft_builder;
 
-/* Not thread-safe (FFTW's planner). */
+/* Not thread-safe (FFTW's planner).
+ * @param surfaces NULL, or the builder whose surfaces this one's laws are read off too: then it has
+ * none of its own */
 haft_status haft_builder_create(haft_builder **out, const haft_case *c,
-                                haft_error *error) HAFT_MUST_CHECK;
+                                const haft_builder *surfaces, haft_error *error) HAFT_MUST_CHECK;
 void haft_builder_destroy(haft_builder **builder);
 
+/* Of n builders, the first with the surfaces of all. */
 typedef struct haft_builder_hand haft_builder_hand;
-haft_status haft_builder_hand_create(haft_builder_hand **out, const haft_builder *b,
-                                     haft_error *error) HAFT_MUST_CHECK;
+haft_status haft_builder_hand_create(haft_builder_hand **out, const haft_builder *const *b,
+                                     size_t n, haft_error *error) HAFT_MUST_CHECK;
 void haft_builder_hand_destroy(haft_builder_hand **hand);
 
 /* Empty laws of so many realizations, all curves kept. */
 haft_status haft_builder_room(haft_laws **out, const haft_builder *b, size_t sets,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/* Laws of a block's patches, that of the first site as number `row`. Thread-safe for distinct hands
- * and blocks. */
-haft_status haft_builder_block(const haft_builder *b, haft_builder_hand *w, size_t realization,
-                               size_t block, haft_laws *laws, size_t row,
+/* Laws of a block's patches by n builders of the same surfaces, those of the first site as number
+ * `row` of laws[n]. Thread-safe for distinct hands and blocks. */
+haft_status haft_builder_block(const haft_builder *const *b, size_t n, haft_builder_hand *w,
+                               size_t realization, size_t block, haft_laws *const *laws, size_t row,
                                haft_error *error) HAFT_MUST_CHECK;
 
 /* The laws of one realization, with such curves as the case keeps. Thread-safe for distinct hands.

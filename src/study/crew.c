@@ -31,7 +31,8 @@ static haft_status own_laws(haft_laws **out, const haft_crew *crew, size_t hand,
     }
     haft_status status = HAFT_OK;
     if (crew->hand[hand] == NULL) {
-        status = haft_builder_hand_create(&crew->hand[hand], crew->builder, error);
+        status = haft_builder_hand_create(&crew->hand[hand],
+                                          (const haft_builder *const[]){crew->builder}, 1, error);
     }
     return status == HAFT_OK ? haft_builder_realize(out, crew->builder, crew->hand[hand], k, error)
                              : status;
@@ -99,7 +100,7 @@ haft_status haft_crew_equip(haft_crew *crew, const bool *done, size_t *lacking, 
     crew->hand =
         haft_memory_alloc((size_t)omp_get_max_threads() + 1, sizeof(haft_builder_hand *), error);
     return crew->hand == NULL ? HAFT_ERROR_MEMORY
-                              : haft_builder_create(&crew->builder, crew->c, error);
+                              : haft_builder_create(&crew->builder, crew->c, NULL, error);
 }
 
 void haft_crew_disband(haft_crew *crew) {

@@ -121,6 +121,87 @@ static void laws_of_the_same_inputs_are_built_once(void **state) {
     case_remove(&c);
 }
 
+static haft_laws *laws_of(const char *path) {
+    haft_error error = {0};
+    haft_laws *laws = NULL;
+    check_ok(haft_laws_read(&laws, NULL, path, &error), error);
+    return laws;
+}
+
+static void check_same_laws(const haft_laws *a, const haft_laws *b) {
+    assert_int_equal(a->m, b->m);
+    assert_int_equal(a->n, b->n);
+    assert_memory_equal(a->distance, b->distance, a->n * sizeof(double));
+    assert_memory_equal(a->force, b->force, a->m * a->n * sizeof(double));
+    assert_memory_equal(a->vector, b->vector, a->m * sizeof *a->vector);
+    assert_memory_equal(a->asperities, b->asperities, a->m * sizeof(double));
+    assert_int_equal(a->chaos != NULL, b->chaos != NULL);
+}
+
+/* Humidities, distances and samplers of the first two variants are read off the same surfaces, one
+ * after the other; the third has wider patches; each has the laws that it would have alone. */
+static void laws_of_the_same_patches_are_built_together(void **state) {
+    (void)state;
+    static const edit mixed[] = {
+        {"  l_meso: 3 um\n", ""},
+        {"    humidity: 85 %\n", ""},
+        {", step: 0.2 nm}", "}"},
+        {"  kind: morse ", "  #"},
+        {"  sampler: explicit ", "  chaos: {vectors: 40, components: 3, order: 3}\n  #"},
+        {"study:", "sweep:\n  contact.capillary.humidity: [85 %, 90 %, 85 %]\n"
+                   "  contact.distance.step: [0.1 nm, 0.2 nm, 0.1 nm]\n"
+                   "  law.sampler: [bootstrap, gpce, gpce]\n"
+                   "  law.kind: [table, morse, morse]\n"
+                   "  beam.l_meso: [3 um, 3 um, 6 um]\nstudy:"},
+        {0}};
+    case_folder c = case_create(mixed);
+    ran r = run_expect(0, HAFT, ARGS("run", c.path));
+    check_says(r.err, "building the laws of 2 variants at once, off the same patches");
+    const char *third = strstr(r.err, "02_humidity");
+    assert_non_null(third);
+    check_says(third, "no laws yet: building them");
+    ran_free(&r);
+    static const char *const folder[] = {
+        "out/00_humidity-85%_step-0.1nm_sampler-bootstrap_kind-table_l_meso-3um",
+        "out/01_humidity-90%_step-0.2nm_sampler-gpce_kind-morse_l_meso-3um",
+        "out/02_humidity-85%_step-0.1nm_sampler-gpce_kind-morse_l_meso-6um"};
+    for (int i = 0; i < 3; i++) {
+        char variant[400], path[420];
+        path_in(&c, folder[i], variant);
+        snprintf(path, sizeof path, "%s/out/laws.h5", variant);
+        haft_laws *together = laws_of(path);
+        assert_int_equal(unlink(path), 0);
+        must_run(HAFT_LAWS, ARGS("build", "--quiet", variant));
+        haft_laws *alone = laws_of(path);
+        check_same_laws(together, alone);
+        assert_true(i == 0 || alone->chaos != NULL);
+        haft_laws_destroy(&together);
+        haft_laws_destroy(&alone);
+    }
+    case_remove(&c);
+}
+
+/* Patches that make no model stop their own variant alone, and at its turn. */
+static void a_variant_without_a_model_stops_no_other(void **state) {
+    (void)state;
+    static const edit few[] = {
+        {"  kind: morse ", "  #"},
+        {"  asperities: islands ", "  #"},
+        {"f_limit: 5 MPa", "f_limit: 900 GPa"}, /* which no patch reaches */
+        {"  sampler: explicit ", "  chaos: {vectors: 12, components: 3, order: 3}\n  #"},
+        {"study:", "sweep:\n  law.sampler: [bootstrap, gpce]\n  law.kind: [table, morse]\n"
+                   "  contact.asperities: [islands, summits]\nstudy:"},
+        {0}};
+    case_folder c = case_create(few);
+    ran r = run_expect(3, HAFT, ARGS("run", c.path));
+    check_says(r.err, "variant 01_sampler-gpce");
+    check_says(r.err, "0 law vectors are too few for 3 components");
+    ran_free(&r);
+    assert_true(
+        exists(&c, "out/00_sampler-bootstrap_kind-table_asperities-islands/out/results.h5"));
+    case_remove(&c);
+}
+
 static void a_sweep_is_told_resumed_and_not_overwritten(void **state) {
     (void)state;
     case_folder c = case_create(elements);
@@ -242,6 +323,8 @@ int main(void) {
         cmocka_unit_test(a_variant_is_what_it_would_be_alone),
         cmocka_unit_test(variants_stand_beside_their_references),
         cmocka_unit_test(laws_of_the_same_inputs_are_built_once),
+        cmocka_unit_test(laws_of_the_same_patches_are_built_together),
+        cmocka_unit_test(a_variant_without_a_model_stops_no_other),
         cmocka_unit_test(a_sweep_is_told_resumed_and_not_overwritten),
         cmocka_unit_test(a_refused_sweep_changes_nothing),
         cmocka_unit_test(every_variant_is_checked),
