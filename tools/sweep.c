@@ -162,6 +162,9 @@ static haft_status make_variant(const sweep *s, size_t i, const char *folder, ha
     return status;
 }
 
+/* Curves of a group are in memory together: no more than this of them. */
+#define GROUP_BYTES 1e9
+
 /* Variants whose laws are read off the same patches, and where these will lie. */
 typedef struct group {
     size_t n;
@@ -202,20 +205,29 @@ static bool is_in_group(const sweep *s, const group *g, size_t i) {
     return false;
 }
 
-/* Gathers variant `first` and those after it that have its patches. One whose folder cannot be made
- * is left for its own turn to tell why. */
+/* Bytes that the curves of a case's patches take in memory. */
+static double bytes_of_curves(const haft_case *c) {
+    double span = c->contact.distance_to - c->contact.distance_from;
+    return sizeof(double) * (double)c->law.chaos.vectors * (span / c->contact.distance_step + 1);
+}
+
+/* Gathers variant `first` and those after it that have its patches, as many as there is room for.
+ * One whose folder cannot be made is left for its own turn to tell why. */
 static void find_group(group *g, const sweep *s, size_t first, const char *folder,
                        haft_run_mode mode) {
     char wanted[HAFT_DIGEST_CAPACITY], digest[HAFT_DIGEST_CAPACITY], variant[PATH_CAPACITY];
     if (haft_case_patches_digest(s->c[first], wanted, NULL) != HAFT_OK) {
         return;
     }
+    double bytes = 0;
     for (size_t i = first; i < s->variants; i++) {
-        if (lacks_laws(s, i, folder, mode, g->path[g->n]) &&
+        if (bytes + bytes_of_curves(s->c[i]) < GROUP_BYTES &&
+            lacks_laws(s, i, folder, mode, g->path[g->n]) &&
             haft_case_patches_digest(s->c[i], digest, NULL) == HAFT_OK &&
             strcmp(digest, wanted) == 0 && !is_in_group(s, g, i) &&
             make_variant(s, i, folder, mode, variant, NULL) == HAFT_OK) {
             g->c[g->n++] = s->c[i];
+            bytes += bytes_of_curves(s->c[i]);
         }
     }
 }
