@@ -187,7 +187,7 @@ static void evaluate_some(const haft_table_head *head, size_t n, const double *d
                           const haft_law_values *out) {
     const piece *guess[AHEAD] = {NULL};
     for (size_t i = 0; i < n; i++) {
-        if (head[i].table != NULL && d[i] < head[i].last) {
+        if (head[i].table != NULL && !(d[i] >= head[i].last)) {
             guess[i] = guess_piece(head[i], d[i]);
             __builtin_prefetch(guess[i]);
         }
