@@ -69,6 +69,13 @@ static haft_status variant_folder(char path[PATH_CAPACITY], const char *folder, 
     return case_out_path(path, folder, c->sweep.label, error);
 }
 
+/* Where variant i's laws lie. */
+static bool laws_path(char path[PATH_CAPACITY], const sweep *s, size_t i, const char *folder) {
+    char variant[PATH_CAPACITY];
+    return variant_folder(variant, folder, s->c[i], NULL) == HAFT_OK &&
+           case_out_path(path, variant, "laws.h5", NULL) == HAFT_OK;
+}
+
 /* Whether the laws at `path` are those of variant i. */
 static bool has_laws(const sweep *s, size_t i, const char *path) {
     char digest[HAFT_DIGEST_CAPACITY], origin[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
@@ -91,15 +98,13 @@ static void link_over(const char *from, const char *to) {
  * harm: laws are replaced, never changed. Where it cannot be done they are built, to the same bits.
  */
 static void take_over_laws(const sweep *s, size_t i, const char *folder) {
-    char from[PATH_CAPACITY], to[PATH_CAPACITY], here[PATH_CAPACITY], there[PATH_CAPACITY];
-    if (variant_folder(here, folder, s->c[i], NULL) != HAFT_OK ||
-        case_out_path(to, here, "laws.h5", NULL) != HAFT_OK || has_laws(s, i, to)) {
+    char from[PATH_CAPACITY], to[PATH_CAPACITY];
+    if (!laws_path(to, s, i, folder) || has_laws(s, i, to)) {
         return;
     }
     for (size_t k = 0; k < i; k++) {
-        if (strcmp(s->inputs[k], s->inputs[i]) == 0 &&
-            variant_folder(there, folder, s->c[k], NULL) == HAFT_OK &&
-            case_out_path(from, there, "laws.h5", NULL) == HAFT_OK && has_laws(s, i, from)) {
+        if (strcmp(s->inputs[k], s->inputs[i]) == 0 && laws_path(from, s, k, folder) &&
+            has_laws(s, i, from)) {
             link_over(from, to);
             return;
         }
@@ -189,20 +194,16 @@ static bool lacks_laws(const sweep *s, size_t i, const char *folder, haft_run_mo
     return haft_sampler_is_stochastic(s->c[i]->law.sampler) &&
            variant_folder(variant, folder, s->c[i], NULL) == HAFT_OK &&
            case_out_path(results, variant, "results.h5", NULL) == HAFT_OK &&
-           (mode == HAFT_RUN_ANEW || access(results, F_OK) != 0) &&
-           case_out_path(path, variant, "laws.h5", NULL) == HAFT_OK && !has_laws(s, i, path);
+           (mode == HAFT_RUN_ANEW || access(results, F_OK) != 0) && laws_path(path, s, i, folder) &&
+           !has_laws(s, i, path);
 }
 
-/* Whether an earlier variant in the group has the same laws, which variant i takes over. */
-static bool is_in_group(const sweep *s, const group *g, size_t i) {
-    for (size_t k = 0; k < i; k++) {
-        for (size_t n = 0; n < g->n && strcmp(s->inputs[k], s->inputs[i]) == 0; n++) {
-            if (g->c[n] == s->c[k]) {
-                return true;
-            }
-        }
+/* Whether one of the variants from `first` on has the laws of variant i, which takes them over. */
+static bool is_repeated(const sweep *s, size_t first, size_t i) {
+    while (first < i && strcmp(s->inputs[first], s->inputs[i]) != 0) {
+        first++;
     }
-    return false;
+    return first < i;
 }
 
 /* Bytes that the curves of a case's patches take in memory. */
@@ -224,7 +225,7 @@ static void find_group(group *g, const sweep *s, size_t first, const char *folde
         if (bytes + bytes_of_curves(s->c[i]) < GROUP_BYTES &&
             lacks_laws(s, i, folder, mode, g->path[g->n]) &&
             haft_case_patches_digest(s->c[i], digest, NULL) == HAFT_OK &&
-            strcmp(digest, wanted) == 0 && !is_in_group(s, g, i) &&
+            strcmp(digest, wanted) == 0 && !is_repeated(s, first, i) &&
             make_variant(s, i, folder, mode, variant, NULL) == HAFT_OK) {
             g->c[g->n++] = s->c[i];
             bytes += bytes_of_curves(s->c[i]);

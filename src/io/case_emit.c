@@ -167,32 +167,34 @@ static void write_input(FILE *stream, const haft_case *c, const haft_key *key) {
     fputc('\n', stream);
 }
 
-/* What the laws depend on, a line each; a new version of the program may compute them otherwise. */
-static void write_laws_inputs(FILE *stream, const haft_case *c) {
+/* Whether a key tells how a law is read off a patch, not what the patch is. */
+static bool is_read_off(const haft_key *key) {
+    bool law = strncmp(key->path, "law.", strlen("law.")) == 0;
+    return strncmp(key->path, "contact.", strlen("contact.")) == 0 ||
+           (law && strcmp(key->path, "law.chaos.vectors") != 0);
+}
+
+/* What the laws depend on, a line each, or the patches alone that they are read off; a new version
+ * of the program may compute them otherwise. */
+static void write_inputs(FILE *stream, const haft_case *c, bool patches) {
     bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
     haft_laws_need other = stochastic ? HAFT_LAWS_CHAOS : HAFT_LAWS_DIRECT;
     fprintf(stream, "haft: %s\n", haft_version());
     for (size_t i = 0; i < haft_case_key_count; i++) {
         const haft_key *key = &haft_case_keys[i];
-        if ((key->laws == HAFT_LAWS_ALWAYS || key->laws == (int)other) && is_present(c, key)) {
+        bool counts = key->laws == HAFT_LAWS_ALWAYS || key->laws == (int)other;
+        if (counts && is_present(c, key) && !(patches && is_read_off(key))) {
             write_input(stream, c, key);
         }
     }
 }
 
-/* What the patches' surfaces depend on. */
+static void write_laws_inputs(FILE *stream, const haft_case *c) {
+    write_inputs(stream, c, false);
+}
+
 static void write_patch_inputs(FILE *stream, const haft_case *c) {
-    static const char *const paths[] = {"seed", "beam.width", "beam.l_meso", "law.chaos.vectors"};
-    for (size_t i = 0; i < haft_case_key_count; i++) {
-        const haft_key *key = &haft_case_keys[i];
-        bool shapes = strncmp(key->path, "surface.", strlen("surface.")) == 0;
-        for (size_t k = 0; k < sizeof paths / sizeof *paths; k++) {
-            shapes |= strcmp(key->path, paths[k]) == 0;
-        }
-        if (shapes && is_present(c, key)) {
-            write_input(stream, c, key);
-        }
-    }
+    write_inputs(stream, c, true);
 }
 
 /* Calls a writer on memory; *text is the stream's own, to be freed with free(). */
