@@ -283,6 +283,28 @@ haft_status haft_parts_clear(haft_parts *parts, haft_error *error) {
     return status;
 }
 
+haft_status haft_parts_retire(haft_parts *parts, haft_error *error) {
+    size_t capacity = strlen(parts->folder) + 64;
+    char *aside = haft_memory_alloc(capacity, 1, error);
+    if (aside == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    int reason = EEXIST; /* a name may be left of a killed process that had this one's number */
+    for (int i = 0; i < TRIES && (reason == EEXIST || reason == ENOTEMPTY); i++) {
+        snprintf(aside, capacity, i == 0 ? "%s.tmp.%ld" : "%s.tmp.%ld.%d", parts->folder,
+                 (long)getpid(), i);
+        reason = rename(parts->folder, aside) == 0 ? 0 : errno;
+    }
+    if (reason != 0) {
+        haft_memory_free(aside);
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be renamed: %s", parts->folder,
+                              strerror(reason));
+    }
+    haft_memory_free(parts->folder);
+    parts->folder = aside;
+    return haft_parts_clear(parts, error);
+}
+
 size_t haft_parts_files(const haft_parts *parts) {
     return parts->files;
 }

@@ -170,6 +170,18 @@ static bool is_stale(const char *name, const char *prefix) {
     return maker > 0 && maker != getpid() && kill((pid_t)maker, 0) != 0 && errno == ESRCH;
 }
 
+static void remove_folder(const char *path) {
+    DIR *entries = opendir(path);
+    if (entries == NULL) {
+        return;
+    }
+    for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
+        (void)unlinkat(dirfd(entries), e->d_name, 0); /* fails for . and .., as it should */
+    }
+    closedir(entries);
+    rmdir(path);
+}
+
 void haft_io_drop_stale(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash == NULL ? path : slash + 1;
     char folder[4096], stale[4096 + 256], prefix[300];
@@ -183,7 +195,9 @@ void haft_io_drop_stale(const char *path) {
     for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
         if (is_stale(e->d_name, prefix)) {
             snprintf(stale, sizeof stale, "%s/%s", folder, e->d_name);
-            unlink(stale);
+            if (unlink(stale) != 0) {
+                remove_folder(stale);
+            }
         }
     }
     closedir(entries);

@@ -233,7 +233,7 @@ static haft_status conclude(run *r, haft_status outcome) {
         status = r->files->beside(r->files->user, r->desk.summary, r->laws, r->error);
     }
     if (status == HAFT_OK && outcome == HAFT_OK) {
-        status = haft_parts_clear(r->parts, r->error);
+        status = haft_parts_retire(r->parts, r->error);
     }
     if (status == HAFT_OK) {
         *r->error = said;
@@ -455,6 +455,7 @@ static haft_status lead(run *r, haft_summary *summary) {
         if (r->shard.count == 0) { /* another machine's processes are not known here */
             haft_io_drop_stale(r->files->results);
             haft_io_drop_stale(r->files->laws);
+            haft_io_drop_stale(r->files->parts);
         }
         bool joins = r->mode == HAFT_RUN_RESUME || r->mode == HAFT_RUN_MERGE;
         status = joins && haft_parts_files(r->parts) == 0 ? take_complete(r) : go(r);
