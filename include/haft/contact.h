@@ -231,6 +231,15 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
                                const double *z, size_t rows, size_t columns, double step,
                                haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;
 
+/** haft_contact_curve() for n specs of the same patch, to the same bits. Those that differ in their
+ *  water alone have their asperities, the most of the work, counted once.
+ *  @param[in] n how many
+ *  @param[in] spec n of them
+ *  @param[in,out] curve n of them; after a failure their contents are undefined */
+haft_status haft_contact_curves(haft_contact_work *work, size_t n, const haft_contact_spec *spec,
+                                const double *z, size_t rows, size_t columns, double step,
+                                haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;
+
 /** Whether van der Waals forces can be computed of every asperity that a patch of rows x columns
  *  points can have, as haft_contact_curve() asks: radii from a thousandth of a step, which no
  *  sampled asperity has, to a thousand diagonals, which stand for flat.

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* f(d) of a patch. One pass over the heights counts them into the intervals between the distances
  * less the capillary range, which gives the wet area at all distances at once, and lists the few
- * points above the lowest distance for the asperities. Elastic interaction of asperities is left
- * out. */
+ * points above the lowest distance for the asperities. Curves that differ in the water alone share
+ * the pass and the asperities. Elastic interaction of asperities is left out. */
 #include <math.h>
 #include <string.h>
 
@@ -53,6 +53,7 @@ void haft_contact_work_destroy(haft_contact_work **work) {
     haft_contact_work *w = *work;
     haft_memory_free(w->level_data);
     haft_memory_free(w->counts);
+    haft_memory_free(w->wet);
     haft_memory_free(w->found);
     haft_memory_free(w->spare);
     haft_memory_free(w->top_a);
@@ -64,19 +65,27 @@ void haft_contact_work_destroy(haft_contact_work **work) {
     *work = NULL;
 }
 
-static haft_status make_room(haft_contact_work *work, size_t levels, haft_error *error) {
-    if (levels <= work->levels) {
+static haft_status make_room(haft_contact_work *work, size_t curves, size_t levels,
+                             haft_error *error) {
+    if (levels <= work->levels && curves <= work->curves) {
         return HAFT_OK;
     }
+    levels = levels > work->levels ? levels : work->levels;
+    curves = curves > work->curves ? curves : work->curves;
     haft_memory_free(work->level_data);
     haft_memory_free(work->counts);
-    work->levels = 0;
-    work->level_data = haft_memory_alloc(levels + 1, 5 * sizeof *work->level_data, error);
-    work->counts = haft_memory_alloc(levels + 1, HAFT_CONTACT_LANES * sizeof *work->counts, error);
-    if (work->level_data == NULL || work->counts == NULL) {
+    haft_memory_free(work->wet);
+    work->levels = work->curves = 0;
+    work->level_data =
+        haft_memory_alloc(levels + 1, (4 + curves) * sizeof *work->level_data, error);
+    work->counts =
+        haft_memory_alloc(levels + 1, curves * HAFT_CONTACT_LANES * sizeof *work->counts, error);
+    work->wet = haft_memory_alloc(curves, sizeof *work->wet, error);
+    if (work->level_data == NULL || work->counts == NULL || work->wet == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     work->levels = levels;
+    work->curves = curves;
     return HAFT_OK;
 }
 
@@ -200,11 +209,51 @@ static bool all_finite(const double *z, size_t n) {
     return !isnan((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
-/* The one pass; false if a height is not finite, the first of them in the row *row. */
-static bool scan(haft_contact_work *work, const haft_patch *patch, const haft_levels *levels,
-                 const haft_levels *wet, size_t *above, size_t *row) {
+/* What is asked of a patch: n curves of it, each by its spec. */
+typedef struct request {
+    const haft_patch *patch;
+    size_t n;
+    const haft_contact_spec *spec;
+    haft_curve *curve;
+} request;
+
+/* Whether the asperities of two curves have the same tally: all but the water is the same. */
+static bool same_asperities(const request *q, size_t i, size_t j) {
+    const haft_contact_spec *a = &q->spec[i], *b = &q->spec[j];
+    const haft_vdw *v = &a->vdw, *w = &b->vdw;
+    bool vdw = a->has_vdw == b->has_vdw &&
+               (!a->has_vdw || (a->path == b->path && v->energy == w->energy &&
+                                v->stress == w->stress && v->range == w->range));
+    size_t n = q->curve[i].n;
+    return vdw && a->asperities == b->asperities && a->modulus == b->modulus &&
+           q->curve[j].n == n &&
+           memcmp(q->curve[i].distance, q->curve[j].distance, n * sizeof(double)) == 0;
+}
+
+/* Sets up the wet levels of the curves from the first on that share its asperities and see water.
+ * @return how many */
+static size_t set_up_wet(haft_contact_work *work, const request *q, size_t first) {
+    size_t n = q->curve[first].n, count = 0;
+    for (size_t j = first; j < q->n; j++) {
+        if (q->spec[j].has_capillary && same_asperities(q, first, j)) {
+            double *data = work->level_data + (4 + count) * (n + 1);
+            work->wet[count] = (haft_wet){
+                .levels = make_levels(data, &q->curve[j], q->spec[j].capillary_range),
+                .counts = work->counts + count * LANES * (n + 1),
+                .curve = j,
+            };
+            count++;
+        }
+    }
+    memset(work->counts, 0, count * LANES * (n + 1) * sizeof *work->counts);
+    return count;
+}
+
+/* The one pass for all curves of the same asperities; false if a height is not finite, the first of
+ * them in the row *row. */
+static bool scan(haft_contact_work *work, const haft_patch *patch, double lowest, size_t wet,
+                 size_t *above, size_t *row) {
     size_t points = patch->rows * patch->columns, found = 0;
-    memset(work->counts, 0, LANES * (levels->n + 1) * sizeof *work->counts);
     for (size_t start = 0; start < points; start += CHUNK) {
         size_t n = points - start < CHUNK ? points - start : CHUNK;
         const double *z = patch->z + start;
@@ -216,35 +265,36 @@ static bool scan(haft_contact_work *work, const haft_patch *patch, const haft_le
             *row = (start + j) / patch->columns;
             return false;
         }
-        if (wet != NULL) {
-            count_wet(wet, z, n, work->counts);
+        for (size_t k = 0; k < wet; k++) {
+            count_wet(&work->wet[k].levels, z, n, work->wet[k].counts);
         }
-        found += list_above(levels->at[0], z, (uint32_t)start, n, work->found + found);
+        found += list_above(lowest, z, (uint32_t)start, n, work->found + found);
     }
     *above = found;
     return true;
 }
 
-/* Shares of points above each wet level, into `share`; 0 without water. */
-static void share_wet(const haft_contact_work *work, const haft_patch *patch, size_t n,
-                      double *share) {
+/* Shares of points above each wet level: they take the levels' place, which have done their work
+ * when the pass is over. */
+static void share_wet(const haft_wet *wet, const haft_patch *patch, double *share) {
     uint64_t points = 0;
     double all = (double)patch->rows * (double)patch->columns;
-    for (size_t j = n; j-- > 0;) {
+    for (size_t j = wet->levels.n; j-- > 0;) {
         for (size_t lane = 0; lane < LANES; lane++) {
-            points += work->counts[LANES * (j + 1) + lane];
+            points += wet->counts[LANES * (j + 1) + lane];
         }
         share[j] = (double)points / all;
     }
 }
 
+/* The curve of a tally and the shares of wet points, NULL without water. */
 static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
                          const haft_tally *tally, const double *wet, haft_curve *curve) {
     double nominal = (double)patch->rows * (double)patch->columns * patch->step * patch->step;
     for (size_t j = 0; j < curve->n; j++) {
         double contact = tally->area[j] / nominal;
         double force = 4.0 / 3.0 * spec->modulus * tally->push[j] / nominal;
-        if (spec->has_capillary) {
+        if (wet != NULL) {
             force += spec->pressure * fmax(wet[j] - contact, 0);
         }
         curve->force[j] = force;
@@ -252,7 +302,7 @@ static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
             curve->contact_area[j] = contact;
         }
         if (curve->wet_area != NULL) {
-            curve->wet_area[j] = wet[j];
+            curve->wet_area[j] = wet != NULL ? wet[j] : 0;
         }
         if (curve->asperities != NULL) {
             curve->asperities[j] = tally->number[j] / nominal;
@@ -260,40 +310,79 @@ static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
     }
 }
 
-haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec *spec,
-                               const double *z, size_t rows, size_t columns, double step,
-                               haft_curve *curve, haft_error *error) {
-    haft_patch patch = {z, rows, columns, step};
-    haft_status status = check(work, spec, &patch, curve, error);
-    if (status == HAFT_OK) {
-        status = make_room(work, curve->n, error);
-    }
-    if (status != HAFT_OK) {
-        return status;
-    }
+/* The curves from the first on that share its asperities. */
+static haft_status make_alike(haft_contact_work *work, const request *q, size_t first,
+                              haft_error *error) {
+    const haft_contact_spec *spec = &q->spec[first];
+    const haft_patch *patch = q->patch;
     haft_adhesion adhesion = {0};
     if (spec->has_vdw) {
-        status = haft_adhesion_make(&adhesion, spec, (double)rows, (double)columns, step, error);
-    }
-    if (status != HAFT_OK) {
-        return status;
+        haft_status status = haft_adhesion_make(&adhesion, spec, (double)patch->rows,
+                                                (double)patch->columns, patch->step, error);
+        if (status != HAFT_OK) {
+            return status;
+        }
     }
     bool summits = spec->asperities == HAFT_ASPERITY_SUMMITS;
-    size_t n = curve->n, above = 0, row = 0;
+    size_t n = q->curve[first].n, above = 0, row = 0, wet = set_up_wet(work, q, first);
     double *data = work->level_data;
-    haft_levels levels = make_levels(data, curve, summits ? adhesion.reach : adhesion.range);
-    /* The wet levels have done their work when the pass is over: their shares take their place. */
-    double *wet_data = data + n + 1;
-    haft_levels wet = make_levels(wet_data, curve, spec->has_capillary ? spec->capillary_range : 0);
-    if (!scan(work, &patch, &levels, spec->has_capillary ? &wet : NULL, &above, &row)) {
+    haft_levels levels =
+        make_levels(data, &q->curve[first], summits ? adhesion.reach : adhesion.range);
+    if (!scan(work, patch, levels.at[0], wet, &above, &row)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "a height in row %zu of the patch is not finite", row);
     }
-    share_wet(work, &patch, n, wet_data);
-    haft_tally tally = {data + 2 * (n + 1), data + 3 * (n + 1), data + 4 * (n + 1)};
-    const haft_adhesion *given = spec->has_vdw ? &adhesion : NULL;
-    (summits ? haft_contact_summits : haft_contact_islands)(work, &patch, &levels, above, given,
-                                                            &tally);
-    put_together(spec, &patch, &tally, wet_data, curve);
+    for (size_t k = 0; k < wet; k++) {
+        share_wet(&work->wet[k], patch, data + (4 + k) * (n + 1));
+    }
+    haft_tally tally = {data + n + 1, data + 2 * (n + 1), data + 3 * (n + 1)};
+    (summits ? haft_contact_summits : haft_contact_islands)(
+        work, patch, &levels, above, spec->has_vdw ? &adhesion : NULL, &tally);
+    for (size_t j = first, k = 0; j < q->n; j++) {
+        bool is_wet = k < wet && work->wet[k].curve == j;
+        if (is_wet || (!q->spec[j].has_capillary && same_asperities(q, first, j))) {
+            put_together(&q->spec[j], patch, &tally, is_wet ? work->wet[k].levels.at : NULL,
+                         &q->curve[j]);
+        }
+        k += is_wet;
+    }
     return HAFT_OK;
+}
+
+/* Whether a curve before shares its asperities: then it was made with that. */
+static bool is_made(const request *q, size_t i) {
+    for (size_t j = 0; j < i; j++) {
+        if (same_asperities(q, j, i)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+haft_status haft_contact_curves(haft_contact_work *work, size_t n, const haft_contact_spec *spec,
+                                const double *z, size_t rows, size_t columns, double step,
+                                haft_curve *curve, haft_error *error) {
+    haft_patch patch = {z, rows, columns, step};
+    request q = {&patch, n, spec, curve};
+    haft_status status = HAFT_OK;
+    size_t levels = 0;
+    for (size_t i = 0; i < n && status == HAFT_OK; i++) {
+        status = check(work, &spec[i], &patch, &curve[i], error);
+        levels = curve[i].n > levels ? curve[i].n : levels;
+    }
+    if (status == HAFT_OK) {
+        status = make_room(work, n, levels, error);
+    }
+    for (size_t i = 0; i < n && status == HAFT_OK; i++) {
+        if (!is_made(&q, i)) {
+            status = make_alike(work, &q, i, error);
+        }
+    }
+    return status;
+}
+
+haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec *spec,
+                               const double *z, size_t rows, size_t columns, double step,
+                               haft_curve *curve, haft_error *error) {
+    return haft_contact_curves(work, 1, spec, z, rows, columns, step, curve, error);
 }

@@ -38,15 +38,24 @@ typedef struct haft_tally {
 
 enum { HAFT_CONTACT_LANES = 4 }; /* at least 2 */
 
+/* Where the points fall between a curve's wet levels. */
+typedef struct haft_wet {
+    haft_levels levels;
+    uint32_t *counts; /* HAFT_CONTACT_LANES (levels.n + 1) */
+    size_t curve;     /* whose */
+} haft_wet;
+
 /* With N points and T = ceil(rows/2) ceil(columns/2), the most summits or islands there can be (no
  * two are neighbours), `found` and `spare` hold 4 (N + rows + 2 columns + 4) bytes each and the
  * other arrays T items: 15 bytes a point in all. */
 struct haft_contact_work {
     size_t rows, columns;
-    size_t levels;      /* capacity of the arrays below, grown when a longer curve comes */
-    double *level_data; /* distances, wet levels, and the tally: 5 (levels + 1) numbers */
-    uint32_t *counts;   /* HAFT_CONTACT_LANES (levels + 1) */
-    uint32_t *found;    /* points above the lowest distance, in the order of the scan */
+    size_t levels, curves; /* capacity of what follows, grown when longer or more curves come */
+    double *level_data;    /* distances, the tally, and a curve's wet levels each: (4 + curves)
+                              (levels + 1) numbers */
+    uint32_t *counts;      /* curves HAFT_CONTACT_LANES (levels + 1) */
+    haft_wet *wet;         /* curves */
+    uint32_t *found;       /* points above the lowest distance, in the order of the scan */
     void *spare;
     double *top_a, *top_b;
     uint32_t *top_count, *top_parent, *top_live;

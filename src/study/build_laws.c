@@ -22,8 +22,8 @@ typedef struct build {
 static haft_status do_task(const build *b, haft_builder_hand *hand, size_t task,
                            haft_error *error) {
     size_t set = task / b->blocks, block = b->builder[0]->first_block + task % b->blocks;
-    return haft_builder_block((const haft_builder *const *)b->builder, b->cases, hand, set, block,
-                              b->laws, set * b->laws[0]->sites, error);
+    return haft_builder_block((const haft_builder *const *)b->builder, hand, set, block, b->laws,
+                              set * b->laws[0]->sites, error);
 }
 
 static bool stopped(const haft_progress *progress) {

@@ -113,7 +113,11 @@ haft_status haft_study_tiling(haft_tiling **out, const haft_case *c, haft_error 
 struct haft_builder_hand {
     haft_surface_work *surface;
     haft_contact_work *contact;
-    double *z, *contact_area, *wet_area, *asperities;
+    double *z;
+    size_t builders, distances; /* of any */
+    haft_contact_spec *spec;    /* builders */
+    haft_curve *curve;          /* builders */
+    double *areas;              /* builders x 3 x distances: what curves tell beside their force */
 };
 
 void haft_builder_hand_destroy(haft_builder_hand **hand) {
@@ -124,9 +128,9 @@ void haft_builder_hand_destroy(haft_builder_hand **hand) {
     haft_surface_work_destroy(&w->surface);
     haft_contact_work_destroy(&w->contact);
     haft_memory_free(w->z);
-    haft_memory_free(w->contact_area);
-    haft_memory_free(w->wet_area);
-    haft_memory_free(w->asperities);
+    haft_memory_free(w->spec);
+    haft_memory_free(w->curve);
+    haft_memory_free(w->areas);
     haft_memory_free(w);
     *hand = NULL;
 }
@@ -148,12 +152,13 @@ static haft_status fill_hand(haft_builder_hand *w, const haft_builder *const *bu
     if (status != HAFT_OK) {
         return status;
     }
+    w->builders = n;
+    w->distances = distances;
     w->z = haft_memory_alloc(rows * columns, sizeof(double), error);
-    w->contact_area = haft_memory_alloc(distances, sizeof(double), error);
-    w->wet_area = haft_memory_alloc(distances, sizeof(double), error);
-    w->asperities = haft_memory_alloc(distances, sizeof(double), error);
-    bool all = w->z && w->contact_area && w->wet_area && w->asperities;
-    return all ? HAFT_OK : HAFT_ERROR_MEMORY;
+    w->spec = haft_memory_alloc(n, sizeof *w->spec, error);
+    w->curve = haft_memory_alloc(n, sizeof *w->curve, error);
+    w->areas = haft_memory_alloc(n * distances, 3 * sizeof(double), error);
+    return w->z && w->spec && w->curve && w->areas ? HAFT_OK : HAFT_ERROR_MEMORY;
 }
 
 haft_status haft_builder_hand_create(haft_builder_hand **out, const haft_builder *const *b,
@@ -238,23 +243,10 @@ haft_status haft_builder_room(haft_laws **out, const haft_builder *b, size_t set
     return status;
 }
 
-/* Curve, vector and zero-force facts of the patch in w->z, into row k. */
-static haft_status enter_patch(const haft_builder *b, haft_builder_hand *w, haft_laws *laws,
-                               size_t k, haft_error *error) {
-    haft_curve curve = {.n = laws->n,
-                        .distance = laws->distance,
-                        .force = laws->force + k * laws->n,
-                        .contact_area = w->contact_area,
-                        .wet_area = w->wet_area,
-                        .asperities = w->asperities};
-    haft_status status =
-        haft_contact_curve(w->contact, &b->contact, w->z, rows_of(b->c), columns_of(b->c),
-                           b->c->surface.grid_step, &curve, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+/* Vector and zero-force facts of a curve, into row k. */
+static void enter_curve(const haft_case *c, const haft_curve *curve, haft_laws *laws, size_t k) {
     haft_law law;
-    haft_law_fault fault = haft_law_characterise(laws->n, laws->distance, curve.force,
+    haft_law_fault fault = haft_law_characterise(laws->n, laws->distance, curve->force,
                                                  laws->f_limit, &laws->vector[k]);
     if (fault == HAFT_LAW_SOUND) {
         fault = haft_law_morse(&law, &laws->vector[k], laws->f_limit);
@@ -262,25 +254,36 @@ static haft_status enter_patch(const haft_builder *b, haft_builder_hand *w, haft
         laws->vector[k] = (haft_law_vector){NAN, NAN, NAN, NAN};
     }
     laws->fault[k] = fault;
-    haft_zero_force zero = haft_contact_zero_force(&curve);
+    haft_zero_force zero = haft_contact_zero_force(curve);
     laws->zero_distance[k] = zero.found ? zero.distance : NAN;
     laws->contact_area[k] = zero.found ? zero.contact_area : NAN;
     laws->wet_area[k] = zero.found ? zero.wet_area : NAN;
-    laws->asperities[k] = zero.found ? zero.asperities * b->c->mesh.l_meso * b->c->beam.width : NAN;
-    return HAFT_OK;
+    laws->asperities[k] = zero.found ? zero.asperities * c->mesh.l_meso * c->beam.width : NAN;
 }
 
-/* Laws of the patch in w->z by all n builders, into row k. */
-static haft_status enter_patches(const haft_builder *const *b, size_t n, haft_builder_hand *w,
-                                 haft_laws *const *laws, size_t k, haft_error *error) {
-    haft_status status = HAFT_OK;
-    for (size_t i = 0; i < n && status == HAFT_OK; i++) {
-        status = enter_patch(b[i], w, laws[i], k, error);
+/* Laws of the patch in w->z by all the hand's builders, into row k. */
+static haft_status enter_patch(const haft_builder *const *b, haft_builder_hand *w,
+                               haft_laws *const *laws, size_t k, haft_error *error) {
+    const haft_case *c = b[0]->c;
+    for (size_t i = 0; i < w->builders; i++) {
+        double *areas = w->areas + 3 * i * w->distances;
+        w->spec[i] = b[i]->contact;
+        w->curve[i] = (haft_curve){.n = laws[i]->n,
+                                   .distance = laws[i]->distance,
+                                   .force = laws[i]->force + k * laws[i]->n,
+                                   .contact_area = areas,
+                                   .wet_area = areas + w->distances,
+                                   .asperities = areas + 2 * w->distances};
+    }
+    haft_status status = haft_contact_curves(w->contact, w->builders, w->spec, w->z, rows_of(c),
+                                             columns_of(c), c->surface.grid_step, w->curve, error);
+    for (size_t i = 0; i < w->builders && status == HAFT_OK; i++) {
+        enter_curve(b[i]->c, &w->curve[i], laws[i], k);
     }
     return status;
 }
 
-haft_status haft_builder_block(const haft_builder *const *all, size_t n, haft_builder_hand *w,
+haft_status haft_builder_block(const haft_builder *const *all, haft_builder_hand *w,
                                size_t realization, size_t block, haft_laws *const *laws, size_t row,
                                haft_error *error) {
     const haft_builder *b = all[0];
@@ -290,14 +293,14 @@ haft_status haft_builder_block(const haft_builder *const *all, size_t n, haft_bu
     bool whole = b->c->law.sampler == HAFT_SAMPLER_EXPLICIT;
     if (b->tiling != NULL) {
         haft_tiling_fill(b->tiling, realization, block, w->z);
-        return enter_patches(all, n, w, laws, row + first - b->first_site, error);
+        return enter_patch(all, w, laws, row + first - b->first_site, error);
     }
     haft_status status = haft_surface_prepare(w->surface, realization, whole ? 0 : block,
                                               whole ? (long)(start * rows) : 0, error);
     for (size_t r = first; r < end && status == HAFT_OK; r++) {
         status = haft_surface_rows(w->surface, (r - start) * rows, rows, w->z, error);
         if (status == HAFT_OK) {
-            status = enter_patches(all, n, w, laws, row + r - b->first_site, error);
+            status = enter_patch(all, w, laws, row + r - b->first_site, error);
         }
     }
     return status;
@@ -309,7 +312,7 @@ haft_status haft_builder_realize(haft_laws **out, const haft_builder *b, haft_bu
     *out = NULL;
     haft_status status = haft_builder_room(&all, b, 1, error);
     for (size_t k = b->first_block; k < b->end_block && status == HAFT_OK; k++) {
-        status = haft_builder_block(&b, 1, w, realization, k, &all, 0, error);
+        status = haft_builder_block(&b, w, realization, k, &all, 0, error);
     }
     if (status == HAFT_OK) {
         status = haft_study_take_laws(out, b->c, all, 0, realization, error);

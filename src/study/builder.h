@@ -35,9 +35,9 @@ void haft_builder_hand_destroy(haft_builder_hand **hand);
 haft_status haft_builder_room(haft_laws **out, const haft_builder *b, size_t sets,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/* Laws of a block's patches by n builders of the same surfaces, those of the first site as number
- * `row` of laws[n]. Thread-safe for distinct hands and blocks. */
-haft_status haft_builder_block(const haft_builder *const *b, size_t n, haft_builder_hand *w,
+/* Laws of a block's patches by all the hand's builders, those of the first site as number `row` of
+ * each one's laws. Thread-safe for distinct hands and blocks. */
+haft_status haft_builder_block(const haft_builder *const *b, haft_builder_hand *w,
                                size_t realization, size_t block, haft_laws *const *laws, size_t row,
                                haft_error *error) HAFT_MUST_CHECK;
 

@@ -403,6 +403,61 @@ static void zero_force_lies_beside_the_greatest_pull(void **state) {
     assert_false(haft_contact_zero_force(&curve).found);
 }
 
+/* Curves asked for together have the bits of those asked for alone, whatever they share: their
+ * asperities where the water alone differs, nothing else. */
+static void curves_together_are_those_alone(void **state) {
+    (void)state;
+    enum { CURVES = 11, ROWS = 60, COLUMNS = 70 };
+    static double z[MOST];
+    make_patch(z, ROWS, COLUMNS, 5, 0x1p-60);
+    haft_error error = {0};
+    haft_maugis_table *maugis = NULL;
+    check_ok(haft_maugis_table_create(&maugis, &error), error);
+    haft_contact_spec spec[CURVES];
+    double low[CURVES];
+    for (int i = 0; i < CURVES; i++) {
+        spec[i] = spec_of(HAFT_ASPERITY_ISLANDS);
+        spec[i].vdw = (haft_vdw){0.17, 0.17 / 0.23e-9, 0.23e-9};
+        spec[i].maugis = maugis;
+        low[i] = 2e-9;
+    }
+    spec[1].pressure = -50e6, spec[1].capillary_range = 2e-9; /* shares all with 0 */
+    spec[2].has_capillary = false;                            /* so does this */
+    spec[3].has_vdw = true;
+    spec[4].asperities = HAFT_ASPERITY_SUMMITS;
+    spec[5].has_vdw = true, spec[5].capillary_range = 1e-9; /* with 3 */
+    spec[6].modulus = 70e9;
+    low[7] = 2.5e-9;
+    spec[8].has_vdw = true, spec[8].vdw.energy = 0.1;
+    spec[9].has_vdw = true, spec[9].asperities = HAFT_ASPERITY_SUMMITS;
+    spec[10] = spec[9], spec[10].path = HAFT_VDW_APPROACH;
+    answer together[CURVES], alone;
+    haft_curve curve[CURVES];
+    haft_contact_work *work = NULL;
+    check_ok(haft_contact_work_create(&work, ROWS, COLUMNS, &error), error);
+    for (int i = 0; i < CURVES; i++) {
+        get_curve(&together[i], &spec[i], z, ROWS, COLUMNS, 5e-9, low[i], 14e-9);
+        memset(together[i].force, 0, sizeof together[i].force);
+        curve[i] = together[i].curve;
+    }
+    check_ok(haft_contact_curves(work, CURVES, spec, z, ROWS, COLUMNS, 5e-9, curve, &error), error);
+    for (int i = 0; i < CURVES; i++) {
+        get_curve(&alone, &spec[i], z, ROWS, COLUMNS, 5e-9, low[i], 14e-9);
+        assert_memory_equal(together[i].force, alone.force, sizeof alone.force);
+        assert_memory_equal(together[i].contact, alone.contact, sizeof alone.contact);
+        assert_memory_equal(together[i].wet, alone.wet, sizeof alone.wet);
+        assert_memory_equal(together[i].number, alone.number, sizeof alone.number);
+        for (int j = 0; j < i; j++) { /* each spec tells in its own way */
+            assert_memory_not_equal(together[i].force, together[j].force, sizeof alone.force);
+        }
+    }
+    spec[8].vdw.range = -1;
+    assert_int_equal(haft_contact_curves(work, CURVES, spec, z, ROWS, COLUMNS, 5e-9, curve, &error),
+                     HAFT_ERROR_ARGUMENT);
+    haft_contact_work_destroy(&work);
+    haft_maugis_table_destroy(&maugis);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(capillary_gives_the_published_figures),
@@ -411,6 +466,7 @@ int main(void) {
         cmocka_unit_test(bad_arguments_are_refused),
         cmocka_unit_test(curves_equal_the_plain_reckoning),
         cmocka_unit_test(heights_on_a_distance_are_told_exactly),
+        cmocka_unit_test(curves_together_are_those_alone),
         cmocka_unit_test(curves_know_no_direction),
         cmocka_unit_test(curves_shift_and_scale),
         cmocka_unit_test(without_water_it_only_pushes),
