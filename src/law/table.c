@@ -15,6 +15,7 @@ typedef struct piece {
     _Alignas(CACHE_LINE) haft_hermite cubic;
     double start;     /* gap at its left end */
     double potential; /* there */
+    double least;     /* force at the left ends from this one on */
 } piece;
 
 struct haft_law_table {
@@ -99,11 +100,12 @@ haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *
     table->per_step = even ? (double)(n - 1) / (table->last - table->first) : 0;
     table->f_max = pull;
     table->d_max = pull > 0 ? distance[at] : NAN;
-    double potential = 0;
+    double potential = 0, least = INFINITY;
     for (size_t i = n - 1; i-- > 0;) {
         haft_hermite cubic = haft_hermite_interval(n, distance, force, i);
         potential += haft_hermite_integral(&cubic, cubic.width);
-        table->piece[i] = (piece){cubic, distance[i], potential};
+        least = fmin(least, cubic.c[0]);
+        table->piece[i] = (piece){cubic, distance[i], potential, least};
     }
     find_range(table, scale);
     *out = table;
@@ -222,21 +224,32 @@ haft_law haft_law_from_table(const haft_law_table *table) {
                       .table = table};
 }
 
-double haft_law_table_reach(const haft_law_table *table, double share) {
-    bool pulls = table->f_max > 0;
-    double level = pulls ? -share * table->f_max : 0;
+/* Where the last of the pushes ends, of a table that never pulls. */
+static double end_of_push(const haft_law_table *table) {
     for (size_t i = table->pieces; i-- > 0;) {
-        const piece *p = &table->piece[i];
-        double start = p->cubic.c[0];
-        double end = i + 1 < table->pieces ? table->piece[i + 1].cubic.c[0] : 0.0;
-        if (pulls && start <= level && end > level) {
-            return p->start + haft_hermite_solve(&p->cubic, level);
-        }
-        if (!pulls && start > 0) {
+        if (table->piece[i].cubic.c[0] > 0) {
             return i + 1 < table->pieces ? table->piece[i + 1].start : table->last;
         }
     }
     return table->first;
+}
+
+double haft_law_table_reach(const haft_law_table *table, double share) {
+    if (!(table->f_max > 0)) {
+        return end_of_push(table);
+    }
+    double level = -share * table->f_max;
+    size_t low = 0, high = table->pieces; /* the last piece that begins no higher than the level */
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (table->piece[middle].least <= level) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    const piece *p = &table->piece[low];
+    return p->start + haft_hermite_solve(&p->cubic, level);
 }
 
 double haft_law_table_range(const haft_law_table *table) {
