@@ -44,6 +44,8 @@ typedef struct haft_laws {
     haft_chaos *chaos;        /**< of the sound vectors; NULL without a model. Owned */
     haft_chaos_errors errors; /**< of its expansion */
     char origin[HAFT_DIGEST_CAPACITY]; /**< digest of the vectors it was fitted to; "" if built */
+    haft_law_table *
+        *table; /**< m: of each curve, by haft_laws_tabulate(); NULL without it. Owned */
 } haft_laws;
 
 /** Digest of laws: haft_case_laws_digest(), and with it the origin where that is not "". */
@@ -65,6 +67,11 @@ haft_status haft_laws_create_sparse(haft_laws **out, size_t m, size_t curves, si
 
 /** The curve of law k, n forces; NULL if it is not kept. Thread-safe. */
 const double *haft_laws_curve(const haft_laws *laws, size_t k);
+
+/** Makes the tables of all curves that are kept, so that beams that draw the same ones share them;
+ *  of a curve that no table can be made of there is none. Once made they are not made again.
+ *  @return HAFT_ERROR_MEMORY */
+haft_status haft_laws_tabulate(haft_laws *laws, haft_error *error) HAFT_MUST_CHECK;
 
 /** A copy of the laws first .. first + count - 1 as one realization's, its first that of the same
  *  site as `first`.

@@ -158,7 +158,8 @@ typedef struct haft_site_laws {
     size_t unfit;            /**< sites whose curve no Morse law fits */
     haft_law *law;           /**< sites */
     size_t tables;           /**< of the sites or, where patches are drawn, of all these */
-    haft_law_table **table;  /**< tables; NULL where there is none or nobody drew it */
+    haft_law_table **table;  /**< tables; NULL where there is none, nobody drew it, or the laws that
+                                  it came from have it: they must outlive these */
     haft_law_vector *vector; /**< sites; NaN where a curve has none */
 } haft_site_laws;
 

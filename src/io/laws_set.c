@@ -88,6 +88,10 @@ void haft_laws_destroy(haft_laws **laws) {
     haft_memory_free(l->wet_area);
     haft_memory_free(l->asperities);
     haft_chaos_destroy(&l->chaos);
+    for (size_t k = 0; l->table != NULL && k < l->m; k++) {
+        haft_law_table_destroy(&l->table[k]);
+    }
+    haft_memory_free(l->table);
     haft_memory_free(l);
     *laws = NULL;
 }
@@ -110,6 +114,23 @@ const double *haft_laws_curve(const haft_laws *laws, size_t k) {
     }
     bool kept = low < laws->curves && (size_t)laws->curve_law[low] == k;
     return kept ? laws->force + low * laws->n : NULL;
+}
+
+haft_status haft_laws_tabulate(haft_laws *laws, haft_error *error) {
+    if (laws->table != NULL) {
+        return HAFT_OK;
+    }
+    laws->table = haft_memory_alloc(laws->m, sizeof *laws->table, error);
+    haft_status status = laws->table == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    for (size_t k = 0; k < laws->m && status == HAFT_OK; k++) {
+        const double *curve = haft_laws_curve(laws, k);
+        haft_error own = {0};
+        if (curve != NULL && haft_law_table_create(&laws->table[k], laws->n, laws->distance, curve,
+                                                   &own) == HAFT_ERROR_MEMORY) {
+            status = haft_error_set(error, HAFT_ERROR_MEMORY, "%s", own.message);
+        }
+    }
+    return status;
 }
 
 /* Copies what is one number a law; the laws come to lie from `at` on. */

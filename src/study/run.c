@@ -315,6 +315,11 @@ static haft_status read_laws(run *r) {
     return status;
 }
 
+/* What the threads share of the laws. */
+static haft_status share_laws(run *r) {
+    return haft_study_draws_patches(r->c) ? haft_laws_tabulate(r->laws, r->error) : HAFT_OK;
+}
+
 static haft_status prepare(run *r) {
     haft_status status = HAFT_OK;
     if (r->shard.count > 0 || r->mode == HAFT_RUN_MERGE) {
@@ -325,6 +330,9 @@ static haft_status prepare(run *r) {
         if (status == HAFT_OK) {
             status = build_together(r);
         }
+    }
+    if (status == HAFT_OK) {
+        status = share_laws(r);
     }
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
@@ -425,6 +433,9 @@ static haft_status lend_a_hand(run *r) {
         return HAFT_OK; /* rank 0 says why */
     }
     haft_status status = read_laws(r);
+    if (status == HAFT_OK) {
+        status = share_laws(r);
+    }
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
     }

@@ -6,11 +6,14 @@
 #include <float.h>
 #include <math.h>
 
-/* The law of site r from the curve of patch k, whose table is the beam's table number `slot`. */
+/* The law of site r from the curve of patch k, whose table is there for all beams or is the beam's
+ * table number `slot`. */
 static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r, size_t k,
                               size_t slot, haft_error *error) {
-    if (s->table[slot] != NULL) {
-        s->law[r] = haft_law_from_table(s->table[slot]);
+    const haft_law_table *made = laws->table != NULL ? laws->table[k] : NULL;
+    made = made != NULL ? made : s->table[slot];
+    if (made != NULL) {
+        s->law[r] = haft_law_from_table(made);
         return HAFT_OK;
     }
     const double *curve = haft_laws_curve(laws, k);
