@@ -49,23 +49,25 @@ static const double RESULT[STAGES] = {1, 6.1697947043828245592553615689730,
 static const double DEFECT[STAGES] = {0.5, -2.9079558716805469821718236208017,
                                       0.22354069897811569627360909276199};
 
-static bool factor_damped(haft_tracker *t, double dt) {
-    for (size_t k = 0; k < t->model->nonzeros; k++) {
-        t->matrix[k] = t->hessian[k] + t->model->mass[k] / (GAMMA * dt);
+/* out = a + factor b; out may be a. */
+HAFT_CLONES static void add_scaled(size_t n, const double *a, double factor, const double *b,
+                                   double *out) {
+    for (size_t k = 0; k < n; k++) {
+        out[k] = a[k] + factor * b[k];
     }
+}
+
+static bool factor_damped(haft_tracker *t, double dt) {
+    add_scaled(t->model->nonzeros, t->hessian, 1 / (GAMMA * dt), t->model->mass, t->matrix);
     haft_tracker_count_factorization(t);
     return haft_factor_update(t->factor, t->matrix) && haft_factor_inertia(t->factor).negative == 0;
 }
 
 /* out = sum of the first `stages` increments, weighted. */
 static void combine(const haft_tracker *t, const double *weight, int stages, double *out) {
-    for (size_t k = 0; k < t->n; k++) {
-        out[k] = weight[0] * t->stage[0][k];
-    }
-    for (int i = 1; i < stages; i++) {
-        for (size_t k = 0; k < t->n; k++) {
-            out[k] += weight[i] * t->stage[i][k];
-        }
+    memset(out, 0, t->n * sizeof *out);
+    for (int i = 0; i < stages; i++) {
+        add_scaled(t->n, out, weight[i], t->stage[i], out);
     }
 }
 
@@ -79,9 +81,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
     for (int i = 0; i < STAGES; i++) {
         if (NEW_STATE[i]) {
             combine(t, STAGE[i], i, sum);
-            for (size_t k = 0; k < t->n; k++) {
-                to->u[k] = from->u[k] + sum[k];
-            }
+            add_scaled(t->n, from->u, 1, sum, to->u);
             if (!haft_tracker_gradient(t, to->u, to->load)) {
                 return false;
             }
@@ -96,9 +96,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
         haft_tracker_solve(t, t->stage[i]);
     }
     combine(t, RESULT, STAGES, sum);
-    for (size_t k = 0; k < t->n; k++) {
-        to->u[k] = from->u[k] + sum[k];
-    }
+    add_scaled(t->n, from->u, 1, sum, to->u);
     combine(t, DEFECT, STAGES, sum);
     return true;
 }
