@@ -51,8 +51,8 @@ double haft_law_share(double share);
  *  parabola through the three points about the greatest pull, e the exact integral of the
  *  interpolant's negative part (0 from the last point on), d_limit the first crossing of f_limit to
  *  the left of d_max. On a Morse law, whose second derivative jumps at d_max, d_max is good to
- *  first order in the step, f_max to second, e and d_limit to third. Of several faults the first
- *  is told: invalid, no attraction, range right, two wells, range left.
+ *  first order in the step, f_max to second, e to third, d_limit to fourth. Of several faults the
+ *  first is told: invalid, no attraction, range right, two wells, range left.
  *  @param[in] n points
  *  @param[in] distance evenly increasing [m], n >= 4
  *  @param[in] force [n] at them [Pa], pushing positive
@@ -109,7 +109,8 @@ haft_law_vector haft_law_morse_vector(const haft_law *law);
 
 /** Makes a table of a curve by monotone cubic Hermite interpolation; left of the first point the
  *  tangent goes on (level if the curve begins rising), right of the last the force is zero.
- *  Third order in the step where the curve is monotone, second at its extrema.
+ *  Fourth order in the step where the curve is monotone and the grid even, third where it is not,
+ *  second at its extrema.
  *  @param[out] out the table; NULL after a failure
  *  @param[in] n points
  *  @param[in] distance strictly increasing [m], n >= 4; an even grid is looked up in O(1)
@@ -118,7 +119,7 @@ haft_law_vector haft_law_morse_vector(const haft_law *law);
  *  @return HAFT_ERROR_INPUT if a number is not finite, if the curve pulls at its first point (no
  *  wall), or if its last value, which is taken as 0, exceeds HAFT_LAW_PROMINENCE of the greatest
  *  pull (or, for a curve that never pulls, of the greatest push).
- *  Source: Fritsch and Butland (1984). */
+ *  Source: Hyman (1983), on even grids; Fritsch and Butland (1984). */
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
                                   const double *force, haft_error *error) HAFT_MUST_CHECK;
 

@@ -18,7 +18,7 @@ bool haft_hermite_is_curve(size_t n, const double *x, const double *f);
 /* Whether no x is off an even grid by more than a millionth of its step. */
 bool haft_hermite_is_even(size_t n, const double *x);
 
-/* The cubic of [x[i], x[i + 1]] with Fritsch-Butland slopes; n >= 3. The last point counts as
+/* The cubic of [x[i], x[i + 1]] with slopes that keep it monotone; n >= 3. The last point counts as
  * f = 0 with slope 0, whatever f holds there. */
 haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i);
 

@@ -105,10 +105,15 @@ static double secant(const double *f, size_t i) {
     return f[i + 1] - f[i];
 }
 
-/* Slope times step at an inner point: the harmonic mean of the secants, 0 at an extremum. */
+/* Slope times step at an inner point, not the first: the difference of fourth order, held to what
+ * keeps the cubic monotone. */
 static double inner_slope(const double *f, size_t i) {
-    double s = secant(f, i - 1), t = secant(f, i);
-    return s * t > 0 ? 2 * s * t / (s + t) : 0;
+    double s = secant(f, i - 1), t = secant(f, i), most = 3 * fmin(fabs(s), fabs(t));
+    if (!(s * t > 0)) {
+        return 0;
+    }
+    double slope = (f[i - 2] - 8 * f[i - 1] + 8 * f[i + 1] - f[i + 2]) / 12;
+    return s > 0 ? fmax(0, fmin(slope, most)) : fmin(0, fmax(slope, -most));
 }
 
 /* The curve itself, cubic between its points, its last value 0 and 0 from there on. */
@@ -117,11 +122,11 @@ static double table_pressure(const evidence *v, size_t r, double d) {
     const double *f = v->force + r * n;
     double step = (v->distance[n - 1] - v->distance[0]) / (double)(n - 1);
     double place = (d - v->distance[0]) / step;
-    if (place >= (double)(n - 3)) {
-        return 0; /* a few nm beyond the end; no state of these tests rests in the last two cells */
+    if (place >= (double)(n - 4)) {
+        return 0; /* a few nm beyond the end; no state of these tests rests in the last cells */
     }
     size_t i = (size_t)place;
-    assert_true(i >= 1);
+    assert_true(i >= 2);
     double t = place - (double)i, m0 = inner_slope(f, i), m1 = inner_slope(f, i + 1);
     return f[i] * (1 + 2 * t) * (1 - t) * (1 - t) + m0 * t * (1 - t) * (1 - t) +
            f[i + 1] * t * t * (3 - 2 * t) + m1 * t * t * (t - 1);
