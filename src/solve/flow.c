@@ -63,10 +63,16 @@ static bool factor_damped(haft_tracker *t, double dt) {
     return haft_factor_update(t->factor, t->matrix) && haft_factor_inertia(t->factor).negative == 0;
 }
 
+HAFT_CLONES static void scale(size_t n, double factor, const double *a, double *out) {
+    for (size_t k = 0; k < n; k++) {
+        out[k] = factor * a[k];
+    }
+}
+
 /* out = sum of the first `stages` increments, weighted. */
 static void combine(const haft_tracker *t, const double *weight, int stages, double *out) {
-    memset(out, 0, t->n * sizeof *out);
-    for (int i = 0; i < stages; i++) {
+    scale(t->n, weight[0], t->stage[0], out);
+    for (int i = 1; i < stages; i++) {
         add_scaled(t->n, out, weight[i], t->stage[i], out);
     }
 }
