@@ -233,9 +233,15 @@ haft_status haft_contact_curve(haft_contact_work *work, const haft_contact_spec 
 
 /** haft_contact_curve() for n specs of the same patch, to the same bits. Those that differ in their
  *  water alone have their asperities, the most of the work, counted once.
+ *  @param[in,out] work scratch of one thread
  *  @param[in] n how many
  *  @param[in] spec n of them
- *  @param[in,out] curve n of them; after a failure their contents are undefined */
+ *  @param[in] z heights [m], row by row
+ *  @param[in] rows, columns of the patch, at most the work's
+ *  @param[in] step of the grid, both ways [m], > 0
+ *  @param[in,out] curve n of them; after a failure their contents are undefined
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return as haft_contact_curve(), of the first that fails. Thread-safe for distinct work. */
 haft_status haft_contact_curves(haft_contact_work *work, size_t n, const haft_contact_spec *spec,
                                 const double *z, size_t rows, size_t columns, double step,
                                 haft_curve *curve, haft_error *error) HAFT_MUST_CHECK;

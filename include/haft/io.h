@@ -44,8 +44,7 @@ typedef struct haft_laws {
     haft_chaos *chaos;        /**< of the sound vectors; NULL without a model. Owned */
     haft_chaos_errors errors; /**< of its expansion */
     char origin[HAFT_DIGEST_CAPACITY]; /**< digest of the vectors it was fitted to; "" if built */
-    haft_law_table *
-        *table; /**< m: of each curve, by haft_laws_tabulate(); NULL without it. Owned */
+    haft_law_table **table; /**< m: of the curves, by haft_laws_tabulate(); else NULL. Owned */
 } haft_laws;
 
 /** Digest of laws: haft_case_laws_digest(), and with it the origin where that is not "". */
