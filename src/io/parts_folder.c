@@ -3,6 +3,7 @@
  * up with the process, so that a killed run bars nobody. A run has the folder's lock alone; shards
  * have it together, and each a lock of its own besides. */
 #include "parts_folder.h"
+#include "store.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -291,8 +292,7 @@ haft_status haft_parts_retire(haft_parts *parts, haft_error *error) {
     }
     int reason = EEXIST; /* a name may be left of a killed process that had this one's number */
     for (int i = 0; i < TRIES && (reason == EEXIST || reason == ENOTEMPTY); i++) {
-        snprintf(aside, capacity, i == 0 ? "%s.tmp.%ld" : "%s.tmp.%ld.%d", parts->folder,
-                 (long)getpid(), i);
+        haft_store_name(aside, capacity, parts->folder, i);
         reason = rename(parts->folder, aside) == 0 ? 0 : errno;
     }
     if (reason != 0) {

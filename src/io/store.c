@@ -51,6 +51,11 @@ static haft_status check_goal(const haft_store *store, haft_error *error) {
     return store->overwrite ? HAFT_OK : already_there(store->path, error);
 }
 
+void haft_store_name(char *name, size_t capacity, const char *path, int number) {
+    snprintf(name, capacity, number == 0 ? "%s.tmp.%ld" : "%s.tmp.%ld.%d", path, (long)getpid(),
+             number);
+}
+
 haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,
                             haft_error *error) {
     *store = (haft_store){.descriptor = -1, .overwrite = overwrite};
@@ -65,8 +70,7 @@ haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,
     memcpy(store->path, path, length + 1);
     haft_status status = check_goal(store, error);
     for (int i = 0; status == HAFT_OK && store->descriptor < 0 && i < TRIES; i++) {
-        snprintf(temporary, capacity, i == 0 ? "%s.tmp.%ld" : "%s.tmp.%ld.%d", path, (long)getpid(),
-                 i);
+        haft_store_name(temporary, capacity, path, i);
         store->descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (store->descriptor < 0 && errno != EEXIST) {
             break;

@@ -50,15 +50,7 @@ static double first_slope(size_t n, const double *x, const double *f) {
 
 /* Whether the four steps about point i are there and even. */
 static bool is_even_about(size_t n, const double *x, size_t i) {
-    if (i < 2 || i + 2 >= n) {
-        return false;
-    }
-    double step = (x[i + 2] - x[i - 2]) / 4;
-    bool even = true;
-    for (size_t k = i - 2; k < i + 2; k++) {
-        even = even && fabs(x[k + 1] - x[k] - step) <= 1e-6 * step;
-    }
-    return even;
+    return i >= 2 && i + 2 < n && haft_hermite_is_even(5, x + i - 2);
 }
 
 static double slope_at(size_t n, const double *x, const double *f, size_t i) {

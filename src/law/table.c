@@ -125,6 +125,22 @@ haft_table_head haft_law_table_head(const haft_law_table *table) {
                                              (double)(table->pieces - 1), table};
 }
 
+/* The last piece whose number at `offset`, which rises from piece to piece, is at most `value`; the
+ * first if there is none. */
+static inline const piece *last_at_most(const haft_law_table *table, size_t offset, double value) {
+    size_t low = 0, high = table->pieces;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        const char *at = (const char *)&table->piece[middle];
+        if (*(const double *)(at + offset) <= value) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return table->piece + low;
+}
+
 /* The piece that holds d, first <= d < last, or of an even grid perhaps one beside it: found
  * without a look at any. */
 static inline const piece *guess_piece(haft_table_head head, double d) {
@@ -133,16 +149,7 @@ static inline const piece *guess_piece(haft_table_head head, double d) {
         double at = (d - head.first) * head.per_step;
         return table->piece + (size_t)(at > 0 ? at < head.most ? at : head.most : 0);
     }
-    size_t low = 0, high = table->pieces;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (table->piece[middle].start <= d) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return table->piece + low;
+    return last_at_most(table, offsetof(piece, start), d);
 }
 
 /* Value at d, first <= d < last, by the piece guessed. */
@@ -239,16 +246,7 @@ double haft_law_table_reach(const haft_law_table *table, double share) {
         return end_of_push(table);
     }
     double level = -share * table->f_max;
-    size_t low = 0, high = table->pieces; /* the last piece that begins no higher than the level */
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (table->piece[middle].least <= level) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    const piece *p = &table->piece[low];
+    const piece *p = last_at_most(table, offsetof(piece, least), level);
     return p->start + haft_hermite_solve(&p->cubic, level);
 }
 

@@ -315,9 +315,14 @@ static haft_status read_laws(run *r) {
     return status;
 }
 
-/* What the threads share of the laws. */
-static haft_status share_laws(run *r) {
-    return haft_study_draws_patches(r->c) ? haft_laws_tabulate(r->laws, r->error) : HAFT_OK;
+/* What the threads share besides the laws: of patches drawn the tables, and the model. */
+static haft_status make_shared(run *r) {
+    haft_status status = HAFT_OK;
+    if (haft_study_draws_patches(r->c)) {
+        status = haft_laws_tabulate(r->laws, r->error);
+    }
+    return status == HAFT_OK ? haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error)
+                             : status;
 }
 
 static haft_status prepare(run *r) {
@@ -332,10 +337,7 @@ static haft_status prepare(run *r) {
         }
     }
     if (status == HAFT_OK) {
-        status = share_laws(r);
-    }
-    if (status == HAFT_OK) {
-        status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
+        status = make_shared(r);
     }
     if (status == HAFT_OK) { /* the old parts stay until here */
         status = r->mode == HAFT_RUN_ANEW ? haft_parts_clear(r->parts, r->error) : restore(r);
@@ -434,10 +436,7 @@ static haft_status lend_a_hand(run *r) {
     }
     haft_status status = read_laws(r);
     if (status == HAFT_OK) {
-        status = share_laws(r);
-    }
-    if (status == HAFT_OK) {
-        status = haft_model_create_beam(&r->model, &r->c->beam, &r->c->mesh, r->error);
+        status = make_shared(r);
     }
     if (status == HAFT_OK) {
         haft_crew crew = {.c = r->c,
