@@ -12,10 +12,11 @@
 enum { FOLD_ITERATIONS = 60 };
 
 /* The root counts as found when |dP/dtau| has fallen to this share of the branch's own, or when
- * Newton would move its place by less than this share of the step: rounding in the rate can keep
- * the first from coming true, and of the load that is nothing. */
+ * Newton would move its place by less than this share of the step: of the load that is the square,
+ * nothing. Rounding in the rate keeps a smaller share from coming true, and then Newton, taken to
+ * have failed, gives way to bisection of the whole bracket. */
 #define FOLD_TOLERANCE 1e-10
-#define PLACE_TOLERANCE 1e-8
+#define PLACE_TOLERANCE 1e-6
 
 typedef struct bracket {
     double stable, beyond; /* dtau from `here` on both sides of the fold */
