@@ -5,6 +5,24 @@
 #include <math.h>
 #include <string.h>
 
+/* Sum of v, as eight sums side by side: finite only where all are. */
+HAFT_CLONES static double total(const double *v, size_t n) {
+    double part[HAFT_LAW_LANES] = {0}, sum = 0;
+    size_t whole = n / HAFT_LAW_LANES * HAFT_LAW_LANES;
+    for (size_t i = 0; i < whole; i += HAFT_LAW_LANES) {
+        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+            part[k] += v[i + k];
+        }
+    }
+    for (size_t i = whole; i < n; i++) {
+        part[i - whole] += v[i];
+    }
+    for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+        sum += part[k];
+    }
+    return sum;
+}
+
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
@@ -12,20 +30,25 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
     if (energy != NULL) {
         *energy = e;
     }
-    double sum = e.strain + e.contact;
-    for (size_t i = 0; i < t->n; i++) {
-        sum += t->gradient[i];
-    }
+    double sum = e.strain + e.contact + total(t->gradient, t->n);
     t->not_finite += !isfinite(sum);
     return isfinite(sum);
 }
 
-bool haft_tracker_gradient(haft_tracker *t, const double *u, double load) {
-    haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        NULL, NULL, NULL, NULL);
+bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient) {
+    haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, gradient, NULL,
+                                        NULL, NULL, NULL);
     double sum = e.strain + e.contact;
     t->not_finite += !isfinite(sum);
     return isfinite(sum);
+}
+
+void haft_tracker_turn(haft_tracker *t) {
+    double *gradient = t->gradient, *hessian = t->hessian;
+    t->gradient = t->other.gradient;
+    t->hessian = t->other.hessian;
+    t->other.gradient = gradient;
+    t->other.hessian = hessian;
 }
 
 void haft_tracker_solve(haft_tracker *t, double *b) {
@@ -126,13 +149,14 @@ static haft_path_options resolve(const haft_path_options *given) {
 
 /* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
  * by the same walk. */
-enum { VECTORS = 20, SITE_VECTORS = 12 + HAFT_SITE_SCRATCH };
+enum { VECTORS = 21, SITE_VECTORS = 12 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
-    double **all[VECTORS] = {&t->gradient,   &t->solution,   &t->mode,       &t->null,
-                             &t->scratch[0], &t->scratch[1], &t->scratch[2], &t->scratch[3],
-                             &t->here.u,     &t->next.u,     &t->spare.u,    &t->start.u1,
-                             &t->start.u2,   &t->end.u1,     &t->end.u2,     &t->rebased.u1,
-                             &t->rebased.u2, &t->stage[0],   &t->stage[1],   &t->stage[2]};
+    double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
+                             &t->null,       &t->scratch[0],     &t->scratch[1], &t->scratch[2],
+                             &t->scratch[3], &t->here.u,         &t->next.u,     &t->spare.u,
+                             &t->start.u1,   &t->start.u2,       &t->end.u1,     &t->end.u2,
+                             &t->rebased.u1, &t->rebased.u2,     &t->stage[0],   &t->stage[1],
+                             &t->stage[2]};
     memcpy(vector, all, sizeof all);
 }
 
@@ -172,8 +196,9 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     }
     t->pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
     t->hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
+    t->other.hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
     t->matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
-    if (t->pair == NULL || t->hessian == NULL || t->matrix == NULL) {
+    if (!t->pair || !t->hessian || !t->other.hessian || !t->matrix) {
         return HAFT_ERROR_MEMORY;
     }
     return HAFT_OK;
@@ -244,6 +269,7 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     free_list(site_vector, SITE_VECTORS);
     haft_memory_free(t->pair);
     haft_memory_free(t->hessian);
+    haft_memory_free(t->other.hessian);
     haft_memory_free(t->matrix);
     haft_law_rows_destroy(&t->rows);
     haft_memory_free(t);

@@ -68,23 +68,26 @@ typedef struct haft_tracker {
     double *range, *reach;               /* of each site: its law's range; felt within [m] */
     double *far, *nil;                   /* next to nil beyond; nil to the last digit beyond [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
-    double *gap;                         /* sites: at the state last evaluated [m] */
-    double *gap_predicted;               /* sites: where the corrector started from [m] */
-    double *solution;                    /* n: H^-1 b at the state last certified */
-    double *motion;                      /* sites: what that is of their displacements */
-    double *mode;                        /* n: eigenvector estimate of the smallest eigenvalue */
-    double *scratch[4];                  /* n each */
-    double *stage[3];                    /* n each: the flow's stages */
-    double *pair;                        /* 2 n: two right-hand sides solved together */
-    double *gap_before;                  /* sites: before a jump [m] */
-    double *site[HAFT_SITE_SCRATCH];     /* haft_law_lanes(sites) each: scratch */
-    double *site_stiffness;              /* sites: at the state last evaluated, for refinement */
-    haft_state here, next, spare;        /* accepted, tried, and the flow's second */
-    haft_branch start, end; /* derivatives at `here` leaving it and at `next` arriving */
-    haft_branch rebased;    /* start, kept while another control is tried */
-    double *null;           /* n: null vector at a fold */
-    bool needs_refinement;  /* the factors alone lose too many digits */
-    size_t not_finite;      /* evaluations that were not, since the last accepted state */
+    struct {
+        double *gradient, *hessian;
+    } other;                         /* those of another state, put aside */
+    double *gap;                     /* sites: at the state last evaluated [m] */
+    double *gap_predicted;           /* sites: where the corrector started from [m] */
+    double *solution;                /* n: H^-1 b at the state last certified */
+    double *motion;                  /* sites: what that is of their displacements */
+    double *mode;                    /* n: eigenvector estimate of the smallest eigenvalue */
+    double *scratch[4];              /* n each */
+    double *stage[3];                /* n each: the flow's stages */
+    double *pair;                    /* 2 n: two right-hand sides solved together */
+    double *gap_before;              /* sites: before a jump [m] */
+    double *site[HAFT_SITE_SCRATCH]; /* haft_law_lanes(sites) each: scratch */
+    double *site_stiffness;          /* sites: at the state last evaluated, for refinement */
+    haft_state here, next, spare;    /* accepted, tried, and the flow's second */
+    haft_branch start, end;          /* derivatives at `here` leaving it and at `next` arriving */
+    haft_branch rebased;             /* start, kept while another control is tried */
+    double *null;                    /* n: null vector at a fold */
+    bool needs_refinement;           /* the factors alone lose too many digits */
+    size_t not_finite;               /* evaluations that were not, since the last accepted state */
     double ledger_left; /* what the ledger may still miss at `here`, beside new work's share [J] */
     haft_path_cost cost;
 } haft_tracker;
@@ -100,8 +103,11 @@ void haft_tracker_destroy(haft_tracker **tracker);
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale);
 
-/* The gradient alone; the Hessian and gaps at hand stay. */
-bool haft_tracker_gradient(haft_tracker *t, const double *u, double load);
+/* The gradient alone, into `gradient`; what is at hand stays. */
+bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient);
+
+/* Puts the gradient and Hessian at hand aside, for those that were so before. */
+void haft_tracker_turn(haft_tracker *t);
 
 static inline void haft_tracker_count_factorization(haft_tracker *t) {
     t->cost.factorizations++;
