@@ -133,13 +133,13 @@ static void evaluate_stretch(const haft_model *model, const haft_stretch *s,
  * forces and stiffnesses in units of energy take their places. */
 HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double unit, stretch_state *s,
                                         double *pushed) {
-    double energy[HAFT_LAW_LANES] = {0}, push[HAFT_LAW_LANES] = {0};
+    double energy[HAFT_LAW_LANES] = {0}, push[HAFT_LAW_LANES] = {0}, by_unit = 1 / unit;
     for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
         for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
             double here = area[i + k];
             energy[k] += here * s->potential[i + k];
             push[k] += here * fabs(s->force[i + k]);
-            double weight = here / unit;
+            double weight = here * by_unit;
             s->force[i + k] *= weight;
             s->slope[i + k] *= -weight;
         }

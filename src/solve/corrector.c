@@ -85,23 +85,31 @@ static int solver_initialize(SUNLinearSolver solver) {
     return 0;
 }
 
+/* Factors H + kappa c c'. The border goes into the Hessian at hand, which is a few entries, and out
+ * again to the last bit. */
 static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
     (void)matrix;
     haft_corrector *c = solver->content;
     haft_tracker *t = c->tracker;
-    memcpy(t->matrix, t->hessian, t->model->nonzeros * sizeof(double));
-    if (c->control.site != NULL) {
-        const int *slot = t->model->site_slot + c->control.index * HAFT_SPAN * HAFT_SPAN;
-        const double *shape = c->control.site->shape;
-        double factor = c->kappa / (t->model->gap * t->model->gap);
-        for (int i = 0; i < c->control.site->terms; i++) {
-            for (int j = 0; j < c->control.site->terms; j++) {
-                t->matrix[slot[i * HAFT_SPAN + j]] += factor * shape[i] * shape[j];
-            }
+    const haft_site *site = c->control.site;
+    const int *slot = t->model->site_slot + c->control.index * HAFT_SPAN * HAFT_SPAN;
+    int terms = site == NULL ? 0 : site->terms;
+    double factor = c->kappa / (t->model->gap * t->model->gap), kept[HAFT_SPAN][HAFT_SPAN];
+    for (int i = 0; i < terms; i++) {
+        for (int j = 0; j < terms; j++) {
+            double *entry = &t->hessian[slot[i * HAFT_SPAN + j]];
+            kept[i][j] = *entry;
+            *entry += factor * site->shape[i] * site->shape[j];
         }
     }
     haft_tracker_count_factorization(t);
-    return haft_factor_update(c->factor, t->matrix) ? 0 : 1;
+    bool made = haft_factor_update(c->factor, t->hessian);
+    for (int i = 0; i < terms; i++) {
+        for (int j = 0; j < terms; j++) {
+            t->hessian[slot[i * HAFT_SPAN + j]] = kept[i][j];
+        }
+    }
+    return made ? 0 : 1;
 }
 
 static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector b,
@@ -190,6 +198,16 @@ HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
     return sqrt(sum);
 }
 
+/* z = x y, by which KINSOL scales. */
+HAFT_CLONES static void product(N_Vector x, N_Vector y, N_Vector z) {
+    const double *a = N_VGetArrayPointer(x), *b = N_VGetArrayPointer(y);
+    double *out = N_VGetArrayPointer(z);
+    size_t n = (size_t)N_VGetLength(x);
+    for (size_t i = 0; i < n; i++) {
+        out[i] = a[i] * b[i];
+    }
+}
+
 /* min x, by which KINSOL checks its scales in every call. */
 HAFT_CLONES static sunrealtype least(N_Vector x) {
     const double *a = N_VGetArrayPointer(x);
@@ -244,6 +262,8 @@ static bool make_vectors(haft_corrector *c) {
     }
     c->y->ops->nvwl2norm = weighted_norm; /* and of all that KINSOL makes like it */
     c->f_scale->ops->nvwl2norm = weighted_norm;
+    c->y->ops->nvprod = product;
+    c->f_scale->ops->nvprod = product;
     c->y->ops->nvmaxnorm = max_norm;
     c->f_scale->ops->nvmaxnorm = max_norm;
     c->y_scale->ops->nvmin = least;
@@ -377,10 +397,13 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     c->evaluated = true;
     memcpy(t->gap_predicted, t->gap, t->model->sites * sizeof(double));
     force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
-    N_VConst(1 / force, c->f_scale);
     double control_length =
         control.site == NULL ? fmax(fabs(value), 1) : t->range[control.index] / t->model->gap;
-    N_VGetArrayPointer(c->f_scale)[t->n] = 1 / control_length;
+    double *scale = N_VGetArrayPointer(c->f_scale);
+    for (size_t i = 0; i < t->n; i++) {
+        scale[i] = 1 / force;
+    }
+    scale[t->n] = 1 / control_length;
     double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
     bool solved = run_kinsol(c, tolerance);
     if (!solved && c->finite) { /* the floor at the start, at rest say, can be far too low */
