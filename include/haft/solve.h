@@ -22,7 +22,7 @@ typedef struct haft_programme {
 
 /** How finely the path is followed. Zero in a field asks for its default. */
 typedef struct haft_path_options {
-    double gap_step;           /**< largest move of a gap in a step, in ranges of its law; 0.25 */
+    double gap_step;           /**< largest move of a gap in a step, in ranges of its law; 0.5 */
     double ledger_tolerance;   /**< what the ledger of energy, work and dissipation may miss at any
                                     time, relative to all the work done; 1e-10 */
     double residual_tolerance; /**< of the equilibrium, relative to the largest force; 1e-11 */

@@ -264,8 +264,8 @@ const haft_key haft_case_keys[] = {
     REAL("load.limit", "N", POSITIVE, .fallback = "none", .example = "1 mN",
          .offset = AT(programme.load_limit)),
 
-    REAL("path.gap_step", "1", .low = 0, .high = 1, .high_in = true, .fallback = "0.25",
-         .example = "0.25", .offset = AT(path.gap_step)),
+    REAL("path.gap_step", "1", .low = 0, .high = 1, .high_in = true, .fallback = "0.5",
+         .example = "0.5", .offset = AT(path.gap_step)),
     REAL("path.ledger_tolerance", "1", SHARE, .fallback = "1e-10", .example = "1e-10",
          .offset = AT(path.ledger_tolerance)),
     REAL("path.residual_tolerance", "1", SHARE, .fallback = "1e-11", .example = "1e-11",

@@ -129,7 +129,7 @@ double haft_tracker_crack(const haft_tracker *t, haft_state *state) {
 }
 
 static const haft_path_options DEFAULTS = {
-    .gap_step = 0.25,
+    .gap_step = 0.5,
     .ledger_tolerance = 1e-10,
     .residual_tolerance = 1e-11,
     .flow_step = 0.1,

@@ -60,7 +60,7 @@ static void model_case_is_read_in_si_units(void **state) {
     check_relative(c->programme.crack_length, 120e-6, 1e-14);
     check_relative(c->programme.crack_threshold, 0.01, 1e-14);
     assert_true(isinf(c->programme.load_limit));
-    check_near(c->path.gap_step, 0.25, 0);
+    check_near(c->path.gap_step, 0.5, 0);
     check_near(c->path.ledger_tolerance, 1e-10, 0);
     check_near(c->path.residual_tolerance, 1e-11, 0);
     check_near(c->path.flow_step, 0.1, 0);

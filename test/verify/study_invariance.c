@@ -7,8 +7,8 @@ static const struct {
     const char *what;
     haft_path_options options;
 } ways[] = {
-    {"gap steps a tenth", {.gap_step = 0.025}},
-    {"gap steps ten times", {.gap_step = 2.5}},
+    {"gap steps a tenth", {.gap_step = 0.05}},
+    {"gap steps ten times", {.gap_step = 5}},
     {"flow steps a tenth", {.flow_step = 0.01}},
     {"flow steps ten times", {.flow_step = 1}},
     {"ledger a hundredth", {.ledger_tolerance = 1e-12}},

@@ -119,8 +119,8 @@ static void the_ledger_closes_on_random_beams(void **state) {
 static void the_answer_does_not_depend_on_the_step(void **state) {
     (void)state;
     static const haft_path_options variants[] = {
-        {.gap_step = 0.025},
-        {.gap_step = 2.5},
+        {.gap_step = 0.05},
+        {.gap_step = 5},
         {.ledger_tolerance = 1e-12, .residual_tolerance = 1e-13},
         {.flow_step = 0.002},
     };

@@ -363,11 +363,11 @@ static void study_setting(const bench *b, const haft_model *model, const setting
 
 static void study_error(const bench *b) {
     static const setting settings[] = {
-        {"finest", 0.001, 0.05, 1e-12}, {"flow", 0.01, 0.25, 1e-10}, {"flow", 0.03, 0.25, 1e-10},
-        {"default", 0.1, 0.25, 1e-10},  {"flow", 0.3, 0.25, 1e-10},  {"flow", 1, 0.25, 1e-10},
-        {"gap", 0.1, 0.1, 1e-10},       {"gap", 0.1, 0.5, 1e-10},    {"gap", 0.1, 1, 1e-10},
-        {"ledger", 0.1, 0.25, 1e-12},   {"ledger", 0.1, 0.25, 1e-8}, {"ledger", 0.1, 0.25, 1e-6},
-        {"ledger", 0.1, 0.25, 1e-4},    {"coarse", 1, 1, 1e-6},
+        {"finest", 0.001, 0.05, 1e-12}, {"flow", 0.01, 0.5, 1e-10}, {"flow", 0.03, 0.5, 1e-10},
+        {"default", 0.1, 0.5, 1e-10},   {"flow", 0.3, 0.5, 1e-10},  {"flow", 1, 0.5, 1e-10},
+        {"gap", 0.1, 0.1, 1e-10},       {"gap", 0.1, 0.25, 1e-10},  {"gap", 0.1, 1, 1e-10},
+        {"ledger", 0.1, 0.5, 1e-12},    {"ledger", 0.1, 0.5, 1e-8}, {"ledger", 0.1, 0.5, 1e-6},
+        {"ledger", 0.1, 0.5, 1e-4},     {"coarse", 1, 1, 1e-6},
     };
     haft_model *model = make_model(b, HAFT_MESH_UNIFORM);
     result reference[BEAM_LIMIT];

@@ -207,7 +207,7 @@ static void drop_reference(const bench *b, haft_path **reference) {
 /* ---- the four sweeps ---- */
 
 static const haft_path_options defaults = {
-    .gap_step = 0.25, .ledger_tolerance = 1e-10, .flow_step = 0.1};
+    .gap_step = 0.5, .ledger_tolerance = 1e-10, .flow_step = 0.1};
 /* No step of the sweeps is as fine. */
 static const haft_path_options finest = {
     .gap_step = 0.04, .ledger_tolerance = 1e-12, .residual_tolerance = 1e-12, .flow_step = 0.001};
