@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* f(d) of a patch. One pass over the heights counts them into the intervals between the distances
- * less the capillary range, which gives the wet area at all distances at once, and lists the few
- * points above the lowest distance for the asperities. Curves that differ in the water alone share
- * the pass and the asperities. Elastic interaction of asperities is left out. */
+/* f(d) of a patch. One pass over the heights counts them for the wet area at all distances, and
+ * lists the few points above the lowest distance for the asperities. Curves that differ in the
+ * water alone share the pass and the asperities. Elastic interaction of asperities is left out. */
 #include <math.h>
 #include <string.h>
 
@@ -46,14 +45,27 @@ haft_status haft_contact_work_create(haft_contact_work **out, size_t rows, size_
     return HAFT_OK;
 }
 
+/* What make_room() makes. */
+static void free_room(haft_contact_work *work) {
+    haft_memory_free(work->level_data);
+    haft_memory_free(work->wet.at);
+    haft_memory_free(work->wet.of);
+    haft_memory_free(work->wet.start);
+    haft_memory_free(work->wet.counts);
+    haft_memory_free(work->shift);
+    haft_memory_free(work->next);
+    work->level_data = work->shift = NULL;
+    work->next = NULL;
+    work->wet = (haft_wet){0};
+    work->levels = work->curves = 0;
+}
+
 void haft_contact_work_destroy(haft_contact_work **work) {
     if (work == NULL || *work == NULL) {
         return;
     }
     haft_contact_work *w = *work;
-    haft_memory_free(w->level_data);
-    haft_memory_free(w->counts);
-    haft_memory_free(w->wet);
+    free_room(w);
     haft_memory_free(w->found);
     haft_memory_free(w->spare);
     haft_memory_free(w->top_a);
@@ -72,16 +84,19 @@ static haft_status make_room(haft_contact_work *work, size_t curves, size_t leve
     }
     levels = levels > work->levels ? levels : work->levels;
     curves = curves > work->curves ? curves : work->curves;
-    haft_memory_free(work->level_data);
-    haft_memory_free(work->counts);
-    haft_memory_free(work->wet);
-    work->levels = work->curves = 0;
-    work->level_data =
-        haft_memory_alloc(levels + 1, (4 + curves) * sizeof *work->level_data, error);
-    work->counts =
-        haft_memory_alloc(levels + 1, curves * HAFT_CONTACT_LANES * sizeof *work->counts, error);
-    work->wet = haft_memory_alloc(curves, sizeof *work->wet, error);
-    if (work->level_data == NULL || work->counts == NULL || work->wet == NULL) {
+    free_room(work);
+    haft_wet *wet = &work->wet;
+    size_t held = curves * (levels + 1);
+    work->level_data = haft_memory_alloc(4 * (levels + 1) + held, sizeof(double), error);
+    wet->at = haft_memory_alloc(held, sizeof *wet->at, error);
+    wet->of = haft_memory_alloc(held, sizeof *wet->of, error);
+    wet->start = haft_memory_alloc(HAFT_WET_BINS, sizeof *wet->start, error);
+    wet->counts = haft_memory_alloc(held, HAFT_CONTACT_LANES * sizeof *wet->counts, error);
+    work->shift = haft_memory_alloc(curves, sizeof *work->shift, error);
+    work->next = haft_memory_alloc(curves, sizeof *work->next, error);
+    if (!work->level_data || !wet->at || !wet->of || !wet->start || !wet->counts || !work->shift ||
+        !work->next) {
+        free_room(work);
         return HAFT_ERROR_MEMORY;
     }
     work->levels = levels;
@@ -142,31 +157,7 @@ static haft_levels make_levels(double *data, const haft_curve *curve, double shi
     return (haft_levels){n, data[0], (double)(n - 1) / (data[n - 1] - data[0]), data};
 }
 
-/* Points gone through at a time: they stay in the nearest cache for all that is asked of them. */
-enum { CHUNK = 256, BUNCH = 16, LANES = HAFT_CONTACT_LANES };
-
-/* The part of haft_levels_below() that takes no looking up, many at an instruction. */
-static void find_nearest(const haft_levels *levels, const double *restrict z, size_t n,
-                         int32_t *restrict nearest) {
-    double first = levels->first, per_step = levels->per_step, last = (double)levels->n;
-    for (size_t j = 0; j < n; j++) {
-        double x = (z[j] - first) * per_step + 0.5;
-        x = x > 0 ? x : 0;
-        x = x < last ? x : last;
-        nearest[j] = (int32_t)x;
-    }
-}
-
-/* Counts LANES times by turns, for neighbours fall into the same interval and would wait on each
- * other. */
-static void count_wet(const haft_levels *levels, const double *z, size_t n, uint32_t *counts) {
-    int32_t nearest[CHUNK];
-    find_nearest(levels, z, n, nearest);
-    for (size_t j = 0; j < n; j++) {
-        size_t level = (size_t)nearest[j] + (levels->at[nearest[j]] < z[j]);
-        counts[LANES * level + j % LANES]++;
-    }
-}
+enum { CHUNK = HAFT_CONTACT_CHUNK, BUNCH = 16, LANES = HAFT_CONTACT_LANES };
 
 /* Whether any of BUNCH points is above d. */
 static inline bool any_above(double d, const double *z) {
@@ -230,28 +221,25 @@ static bool same_asperities(const request *q, size_t i, size_t j) {
            memcmp(q->curve[i].distance, q->curve[j].distance, n * sizeof(double)) == 0;
 }
 
-/* Sets up the wet levels of the curves from the first on that share its asperities and see water.
- * @return how many */
+/* Sets up the wet thresholds of the curves from the first on that share its asperities and see
+ * water. @return how many */
 static size_t set_up_wet(haft_contact_work *work, const request *q, size_t first) {
-    size_t n = q->curve[first].n, count = 0;
+    const haft_curve *curve = &q->curve[first];
+    size_t count = 0;
     for (size_t j = first; j < q->n; j++) {
         if (q->spec[j].has_capillary && same_asperities(q, first, j)) {
-            double *data = work->level_data + (4 + count) * (n + 1);
-            work->wet[count] = (haft_wet){
-                .levels = make_levels(data, &q->curve[j], q->spec[j].capillary_range),
-                .counts = work->counts + count * LANES * (n + 1),
-                .curve = j,
-            };
-            count++;
+            work->shift[count++] = q->spec[j].capillary_range;
         }
     }
-    memset(work->counts, 0, count * LANES * (n + 1) * sizeof *work->counts);
+    if (count > 0) {
+        haft_wet_set_up(&work->wet, count, work->shift, curve->distance, curve->n, work->next);
+    }
     return count;
 }
 
 /* The one pass for all curves of the same asperities; false if a height is not finite, the first of
  * them in the row *row. */
-static bool scan(haft_contact_work *work, const haft_patch *patch, double lowest, size_t wet,
+static bool scan(haft_contact_work *work, const haft_patch *patch, double lowest, bool wet,
                  size_t *above, size_t *row) {
     size_t points = patch->rows * patch->columns, found = 0;
     for (size_t start = 0; start < points; start += CHUNK) {
@@ -265,26 +253,13 @@ static bool scan(haft_contact_work *work, const haft_patch *patch, double lowest
             *row = (start + j) / patch->columns;
             return false;
         }
-        for (size_t k = 0; k < wet; k++) {
-            count_wet(&work->wet[k].levels, z, n, work->wet[k].counts);
+        if (wet) {
+            haft_wet_count(&work->wet, z, n);
         }
         found += list_above(lowest, z, (uint32_t)start, n, work->found + found);
     }
     *above = found;
     return true;
-}
-
-/* Shares of points above each wet level: they take the levels' place, which have done their work
- * when the pass is over. */
-static void share_wet(const haft_wet *wet, const haft_patch *patch, double *share) {
-    uint64_t points = 0;
-    double all = (double)patch->rows * (double)patch->columns;
-    for (size_t j = wet->levels.n; j-- > 0;) {
-        for (size_t lane = 0; lane < LANES; lane++) {
-            points += wet->counts[LANES * (j + 1) + lane];
-        }
-        share[j] = (double)points / all;
-    }
 }
 
 /* The curve of a tally and the shares of wet points, NULL without water. */
@@ -328,23 +303,22 @@ static haft_status make_alike(haft_contact_work *work, const request *q, size_t 
     double *data = work->level_data;
     haft_levels levels =
         make_levels(data, &q->curve[first], summits ? adhesion.reach : adhesion.range);
-    if (!scan(work, patch, levels.at[0], wet, &above, &row)) {
+    if (!scan(work, patch, levels.at[0], wet > 0, &above, &row)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "a height in row %zu of the patch is not finite", row);
     }
-    for (size_t k = 0; k < wet; k++) {
-        share_wet(&work->wet[k], patch, data + (4 + k) * (n + 1));
+    double *share = data + 4 * (n + 1);
+    if (wet > 0) {
+        haft_wet_shares(&work->wet, (double)patch->rows * (double)patch->columns, share);
     }
     haft_tally tally = {data + n + 1, data + 2 * (n + 1), data + 3 * (n + 1)};
     (summits ? haft_contact_summits : haft_contact_islands)(
         work, patch, &levels, above, spec->has_vdw ? &adhesion : NULL, &tally);
     for (size_t j = first, k = 0; j < q->n; j++) {
-        bool is_wet = k < wet && work->wet[k].curve == j;
-        if (is_wet || (!q->spec[j].has_capillary && same_asperities(q, first, j))) {
-            put_together(&q->spec[j], patch, &tally, is_wet ? work->wet[k].levels.at : NULL,
-                         &q->curve[j]);
+        if (same_asperities(q, first, j)) {
+            bool is_wet = q->spec[j].has_capillary;
+            put_together(&q->spec[j], patch, &tally, is_wet ? share + k++ * n : NULL, &q->curve[j]);
         }
-        k += is_wet;
     }
     return HAFT_OK;
 }

@@ -38,11 +38,20 @@ typedef struct haft_tally {
 
 enum { HAFT_CONTACT_LANES = 4 }; /* at least 2 */
 
-/* Where the points fall between a curve's wet levels. */
+/* Points gone through at a time: they stay in the nearest cache for all that is asked of them. */
+enum { HAFT_CONTACT_CHUNK = 256 };
+
+/* Bins of the grid by which a point finds its place: some twenty a distance. */
+enum { HAFT_WET_BINS = 8192 };
+
+/* Where the points fall between the wet thresholds of all curves that are made together. */
 typedef struct haft_wet {
-    haft_levels levels;
-    uint32_t *counts; /* HAFT_CONTACT_LANES (levels.n + 1) */
-    size_t curve;     /* whose */
+    size_t thresholds, most; /* in all, and in one bin at most */
+    double first, per_bin;
+    double *at;       /* thresholds + 1: in rising order, then +infinity */
+    size_t *of;       /* thresholds: whose each is, curve n + distance */
+    uint32_t *start;  /* HAFT_WET_BINS: how many thresholds the bins before have */
+    uint32_t *counts; /* HAFT_CONTACT_LANES (thresholds + 1) */
 } haft_wet;
 
 /* With N points and T = ceil(rows/2) ceil(columns/2), the most summits or islands there can be (no
@@ -51,15 +60,24 @@ typedef struct haft_wet {
 struct haft_contact_work {
     size_t rows, columns;
     size_t levels, curves; /* capacity of what follows, grown when longer or more curves come */
-    double *level_data;    /* distances, the tally, and a curve's wet levels each: (4 + curves)
+    double *level_data;    /* distances, the tally, and the curves' wet shares: (4 + curves)
                               (levels + 1) numbers */
-    uint32_t *counts;      /* curves HAFT_CONTACT_LANES (levels + 1) */
-    haft_wet *wet;         /* curves */
-    uint32_t *found;       /* points above the lowest distance, in the order of the scan */
+    haft_wet wet;
+    double *shift;   /* curves: what their thresholds are below the distances */
+    size_t *next;    /* curves: scratch */
+    uint32_t *found; /* points above the lowest distance, in the order of the scan */
     void *spare;
     double *top_a, *top_b;
     uint32_t *top_count, *top_parent, *top_live;
 };
+
+/* Sets up the thresholds distance[j] - shift[k] of n distances and so many curves (next: scratch,
+ * one a curve), counts points between them, and tells the shares of all points above each: share k
+ * n + j. */
+void haft_wet_set_up(haft_wet *wet, size_t curves, const double *shift, const double *distance,
+                     size_t n, size_t *next);
+void haft_wet_count(const haft_wet *wet, const double *z, size_t n);
+void haft_wet_shares(const haft_wet *wet, double points, double *share);
 
 /* The tally of either model from the points work->found[0 .. n - 1], those above levels->at[0];
  * they may overwrite found. Without adhesion the levels are the distances; with it, as far below

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The wet area of all curves in one pass. A point is wet at distance d where its height is above
+ * d - range, so the thresholds d - range of all curves are put in one order, and each point is
+ * counted once, between two of them. It finds its place by the bin of an even grid that it falls
+ * into: the thresholds of the bins before lie below it, those of its own are compared with, and
+ * which bin a height is in never falls with the height, so that the counts are exact. */
+#include <math.h>
+#include <string.h>
+
+#include "contact/patch.h"
+
+enum { LANES = HAFT_CONTACT_LANES, BINS = HAFT_WET_BINS };
+
+/* The bins of heights, many at an instruction. */
+HAFT_CLONES static void find_bins(double first, double per_bin, const double *restrict z, size_t n,
+                                  int32_t *restrict bin) {
+    for (size_t j = 0; j < n; j++) {
+        double x = (z[j] - first) * per_bin;
+        x = x > 0 ? x : 0;
+        x = x < BINS - 1 ? x : BINS - 1;
+        bin[j] = (int32_t)x;
+    }
+}
+
+/* Merges the curves' thresholds, each an even grid shifted, into one order. */
+static void merge(haft_wet *wet, size_t curves, const double *shift, const double *distance,
+                  size_t n, size_t *next) {
+    memset(next, 0, curves * sizeof *next);
+    for (size_t m = 0; m < curves * n; m++) {
+        size_t least = curves;
+        for (size_t k = 0; k < curves; k++) {
+            if (next[k] < n && (least == curves || distance[next[k]] - shift[k] <
+                                                       distance[next[least]] - shift[least])) {
+                least = k;
+            }
+        }
+        wet->at[m] = distance[next[least]] - shift[least];
+        wet->of[m] = least * n + next[least]++;
+    }
+    wet->thresholds = curves * n;
+    wet->at[wet->thresholds] = INFINITY;
+}
+
+void haft_wet_set_up(haft_wet *wet, size_t curves, const double *shift, const double *distance,
+                     size_t n, size_t *next) {
+    merge(wet, curves, shift, distance, n, next);
+    size_t count = wet->thresholds;
+    wet->first = wet->at[0];
+    wet->per_bin = BINS / (wet->at[count - 1] - wet->first);
+    memset(wet->start, 0, BINS * sizeof *wet->start);
+    for (size_t m = 0; m < count; m++) {
+        int32_t bin = 0;
+        find_bins(wet->first, wet->per_bin, &wet->at[m], 1, &bin);
+        wet->start[bin]++;
+    }
+    uint32_t before = 0;
+    wet->most = 0;
+    for (size_t b = 0; b < BINS; b++) {
+        uint32_t here = wet->start[b];
+        wet->start[b] = before;
+        before += here;
+        wet->most = here > wet->most ? here : wet->most;
+    }
+    memset(wet->counts, 0, LANES * (count + 1) * sizeof *wet->counts);
+}
+
+/* Counts LANES times by turns, for neighbours fall between the same thresholds and would wait on
+ * each other. */
+void haft_wet_count(const haft_wet *wet, const double *z, size_t n) {
+    int32_t bin[HAFT_CONTACT_CHUNK];
+    find_bins(wet->first, wet->per_bin, z, n, bin);
+    for (size_t j = 0; j < n; j++) {
+        size_t below = wet->start[bin[j]];
+        for (size_t m = 0; m < wet->most; m++) {
+            below += wet->at[below] < z[j];
+        }
+        wet->counts[LANES * below + j % LANES]++;
+    }
+}
+
+void haft_wet_shares(const haft_wet *wet, double points, double *share) {
+    uint64_t above = 0;
+    for (size_t m = wet->thresholds; m-- > 0;) {
+        for (size_t lane = 0; lane < LANES; lane++) {
+            above += wet->counts[LANES * (m + 1) + lane];
+        }
+        share[wet->of[m]] = (double)above / points;
+    }
+}
