@@ -68,10 +68,11 @@ static void depart(haft_walker *w, haft_step *step) {
 }
 
 /* Share of the step at which a gap, moving from d by first- and second-order amounts a and b,
- * passes a kink; above 1 if it does not. */
+ * passes a kink; above 1 if it does not, or if it sets out the other way and turns: by that gap as
+ * the control the kink lies behind. */
 static double passing_share(double d, double a, double b, double kink, double range) {
     double end = d + a + b, to = kink - d;
-    if (fabs(to) < 1e-9 * range || (kink - d) * (kink - end) >= 0) {
+    if (fabs(to) < 1e-9 * range || to * (kink - end) >= 0 || to * a <= 0) {
         return 2;
     }
     double share = to / (end - d);
