@@ -51,10 +51,11 @@ static void free_room(haft_contact_work *work) {
     haft_memory_free(work->wet.at);
     haft_memory_free(work->wet.of);
     haft_memory_free(work->wet.start);
-    haft_memory_free(work->wet.counts);
+    haft_memory_free(work->counts);
     haft_memory_free(work->shift);
     haft_memory_free(work->next);
     work->level_data = work->shift = NULL;
+    work->counts = NULL;
     work->next = NULL;
     work->wet = (haft_wet){0};
     work->levels = work->curves = 0;
@@ -91,7 +92,8 @@ static haft_status make_room(haft_contact_work *work, size_t curves, size_t leve
     wet->at = haft_memory_alloc(held, sizeof *wet->at, error);
     wet->of = haft_memory_alloc(held, sizeof *wet->of, error);
     wet->start = haft_memory_alloc(HAFT_WET_BINS, sizeof *wet->start, error);
-    wet->counts = haft_memory_alloc(held, HAFT_CONTACT_LANES * sizeof *wet->counts, error);
+    wet->counts = work->counts =
+        haft_memory_alloc(held, HAFT_CONTACT_LANES * sizeof *work->counts, error);
     work->shift = haft_memory_alloc(curves, sizeof *work->shift, error);
     work->next = haft_memory_alloc(curves, sizeof *work->next, error);
     if (!work->level_data || !wet->at || !wet->of || !wet->start || !wet->counts || !work->shift ||

@@ -130,7 +130,7 @@ static inline void call_up(const islands *all, const haft_patch *patch, uint32_t
  * the end of that level's stretch. */
 static void make_bunches(haft_contact_work *work, const haft_patch *patch,
                          const haft_levels *distances, size_t n, uint32_t *order) {
-    uint32_t *counts = work->wet.counts, *next = work->wet.counts + distances->n + 1;
+    uint32_t *counts = work->counts, *next = work->counts + distances->n + 1;
     memset(counts, 0, (distances->n + 1) * sizeof *counts);
     for (size_t k = 0; k < n; k++) {
         counts[haft_levels_below(distances, patch->z[work->found[k]])]++;
@@ -151,7 +151,7 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
                           const haft_tally *tally) {
     uint32_t *order = work->spare;
     make_bunches(work, patch, levels, n, order);
-    const uint32_t *end = work->wet.counts + levels->n + 1;
+    const uint32_t *end = work->counts + levels->n + 1;
     size_t pitch = patch->columns + 1; /* one empty point ends a row and begins the next */
     islands all = {.label = work->found,
                    .parent = work->top_parent,

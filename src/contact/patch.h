@@ -62,10 +62,11 @@ struct haft_contact_work {
     size_t levels, curves; /* capacity of what follows, grown when longer or more curves come */
     double *level_data;    /* distances, the tally, and the curves' wet shares: (4 + curves)
                               (levels + 1) numbers */
-    haft_wet wet;
-    double *shift;   /* curves: what their thresholds are below the distances */
-    size_t *next;    /* curves: scratch */
-    uint32_t *found; /* points above the lowest distance, in the order of the scan */
+    uint32_t *counts; /* curves HAFT_CONTACT_LANES (levels + 1): the wet count's, then scratch */
+    haft_wet wet;     /* its counts are these */
+    double *shift;    /* curves: what their thresholds are below the distances */
+    size_t *next;     /* curves: scratch */
+    uint32_t *found;  /* points above the lowest distance, in the order of the scan */
     void *spare;
     double *top_a, *top_b;
     uint32_t *top_count, *top_parent, *top_live;

@@ -161,7 +161,7 @@ void haft_contact_summits(haft_contact_work *work, const haft_patch *patch,
                           const haft_tally *tally) {
     summit *scan = work->spare;
     double *height = work->top_a, *root = work->top_b;
-    uint32_t *counts = work->wet.counts, *next = work->wet.counts + levels->n + 1;
+    uint32_t *counts = work->counts, *next = work->counts + levels->n + 1;
     memset(counts, 0, (levels->n + 1) * sizeof *counts);
     size_t total = collect(work, patch, levels, n, scan, counts);
     if (adhesion != NULL) {

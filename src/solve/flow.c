@@ -260,8 +260,9 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         double factor = MARGIN * cbrt(allowed / fmax(error, 1e-30));
         double before = dt;
         dt *= fmin(growth, fmax(SHRINKAGE, factor));
-        growth = error <= allowed ? GROWTH : 1;
-        if (!(error <= allowed)) {
+        bool taken = error <= allowed;
+        growth = taken ? GROWTH : 1;
+        if (!taken) {
             if (t->not_finite > NOT_FINITE_LIMIT) {
                 return HAFT_OUTCOME_NOT_FINITE;
             }
