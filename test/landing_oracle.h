@@ -97,15 +97,6 @@ static inline void let_flow(oracle *o, double *u) {
     SUNContext_Free(&context);
 }
 
-static inline double farthest_gap(const haft_model *m, const double *u, const double *v) {
-    double most = 0;
-    for (size_t r = 0; r < m->sites; r++) {
-        most = fmax(most, fabs(haft_model_displacement(&m->site[r], u) -
-                               haft_model_displacement(&m->site[r], v)));
-    }
-    return most;
-}
-
 /* Follows a random beam and compares each of its landings; @return how many there were. */
 static inline size_t check_landings(uint64_t seed, double *worst) {
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};

@@ -101,6 +101,7 @@ typedef struct haft_model {
     int *element_slot;   /**< place of each of an element's 16 entries in the pattern, -1 if none */
     int *site_slot;      /**< and of a site's */
     haft_layout *layout; /**< the sites once more, laid out for evaluation */
+    size_t stretches;    /**< into which the layout cuts those that take part */
     struct haft_model *shorter; /**< of an active mesh: the same beam and sites, more of them
                                      inert, for states that touch only further on; NULL: none.
                                      Owned */
@@ -134,6 +135,18 @@ typedef struct haft_model_parts {
  *  @return HAFT_ERROR_ARGUMENT for parts that do not fit together; HAFT_ERROR_MEMORY. */
 haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
                               haft_error *error) HAFT_MUST_CHECK;
+
+/** The front part of a beam, for states that move there alone, what lies behind being held where it
+ *  is. It is the model with fewer elements, unknowns and sites: those that a displacement of its
+ *  unknowns strains or moves. Its energies are the model's but for a constant, its gradient and the
+ *  columns of its Hessian the model's own, except in the last two unknowns, the held node's, which
+ *  lack what lies behind.
+ *  @param[in] model a beam, or a front of one
+ *  @param[in] sites that are to move, from the first on: up to a whole stretch of them more do
+ *  @param[out] moving unknowns that are not held: the first so many
+ *  @return a view of the model's arrays, which is not to be destroyed; the model itself, all its
+ *  unknowns moving, where no front of it is shorter. Thread-safe. */
+haft_model haft_model_front(const haft_model *model, size_t sites, size_t *moving);
 
 /** Frees a model and sets the pointer to NULL; NULL is allowed. */
 void haft_model_destroy(haft_model **model);

@@ -173,7 +173,7 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
                           double *gap, double *site_stiffness) {
     double energy = 0, pushed = 0;
     stretch_state state;
-    for (size_t n = 0; n < model->layout->stretches; n++) {
+    for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         evaluate_stretch(model, s, laws, u, &state);
         if (gap != NULL) {
@@ -227,7 +227,7 @@ void haft_model_multiply(const haft_model *model, const double *site_stiffness, 
         multiply_element(&model->element[e], x, y);
     }
     double force[HAFT_STRETCH_ROOM];
-    for (size_t n = 0; n < model->layout->stretches; n++) {
+    for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_displacements(model, s, x, force);
         for (size_t i = 0; i < s->sites; i++) {

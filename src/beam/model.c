@@ -195,7 +195,7 @@ static haft_status fill_model(haft_model *model, haft_error *error) {
         find_slots(model, model->site[r].dof, model->site_slot + r * ENTRIES);
     }
     assemble_constants(model);
-    return haft_layout_create(&model->layout, model, error);
+    return haft_layout_create(&model->layout, &model->stretches, model, error);
 }
 
 static bool dofs_in_range(const int dof[HAFT_SPAN], size_t dofs) {

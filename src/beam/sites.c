@@ -19,12 +19,14 @@ static bool continues(const haft_model *model, const haft_run *run, size_t r) {
     return run->shared ? same_unknowns(&model->site[run->first], site) : site->terms == 1;
 }
 
-static void find_runs(haft_layout *layout, const haft_model *model) {
+/* @return the number of stretches */
+static size_t find_runs(haft_layout *layout, const haft_model *model) {
+    size_t stretches = 0;
     for (size_t r = model->inert; r < model->sites; r++) {
         if ((r - model->inert) % HAFT_STRETCH == 0) {
-            layout->stretch[layout->stretches++] = (haft_stretch){r, 0, layout->runs, 0};
+            layout->stretch[stretches++] = (haft_stretch){r, 0, layout->runs, 0};
         }
-        haft_stretch *s = &layout->stretch[layout->stretches - 1];
+        haft_stretch *s = &layout->stretch[stretches - 1];
         if (s->runs == 0 || !continues(model, &layout->run[layout->runs - 1], r)) {
             const haft_site *site = &model->site[r];
             bool whole = site->terms == HAFT_SPAN;
@@ -37,6 +39,7 @@ static void find_runs(haft_layout *layout, const haft_model *model) {
         layout->run[layout->runs - 1].sites++;
         s->sites++;
     }
+    return stretches;
 }
 
 static void fill(haft_layout *layout, const haft_model *model) {
@@ -59,7 +62,8 @@ static void fill(haft_layout *layout, const haft_model *model) {
     }
 }
 
-haft_status haft_layout_create(haft_layout **out, const haft_model *model, haft_error *error) {
+haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_model *model,
+                               haft_error *error) {
     *out = NULL;
     haft_layout *layout = haft_memory_alloc(1, sizeof *layout, error);
     if (layout == NULL) {
@@ -80,7 +84,7 @@ haft_status haft_layout_create(haft_layout **out, const haft_model *model, haft_
         haft_layout_destroy(&layout);
         return HAFT_ERROR_MEMORY;
     }
-    find_runs(layout, model);
+    *stretches = find_runs(layout, model);
     fill(layout, model);
     *out = layout;
     return HAFT_OK;
@@ -253,14 +257,14 @@ HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stret
 }
 
 void haft_model_displacements(const haft_model *model, const double *v, double *w) {
-    for (size_t n = 0; n < model->layout->stretches; n++) {
+    for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_displacements(model, s, v, w + s->first);
     }
 }
 
 void haft_model_add_forces(const haft_model *model, const double *force, double *y) {
-    for (size_t n = 0; n < model->layout->stretches; n++) {
+    for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_assemble(model, s, force + s->first, force + s->first, y, NULL);
     }

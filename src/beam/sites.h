@@ -10,7 +10,7 @@ typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* Sites whose laws are evaluated together, and the room that arrays of them need: work is done in
  * whole lanes, which may run over a stretch's end. */
-enum { HAFT_STRETCH = 64, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
+enum { HAFT_STRETCH = 16, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
 
 /* A stretch of sites, and which runs lie in it. */
 typedef struct haft_stretch {
@@ -29,7 +29,7 @@ typedef struct haft_run {
 enum { HAFT_COLUMNS = 1 + HAFT_SPAN, HAFT_SHARES = HAFT_COLUMNS * HAFT_SPAN };
 
 struct haft_layout {
-    size_t stretches, runs, stride;
+    size_t runs, stride;
     haft_stretch *stretch;
     haft_run *run;
     double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
@@ -39,7 +39,9 @@ struct haft_layout {
     int *dof, *slot; /* of each site: its first unknown, and that one's place on the diagonal */
 };
 
-haft_status haft_layout_create(haft_layout **out, const haft_model *model, haft_error *error);
+/* The layout of a model's sites; tells the number of its stretches. */
+haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_model *model,
+                               haft_error *error);
 void haft_layout_destroy(haft_layout **layout);
 
 /* Displacements w[HAFT_STRETCH_ROOM] of a stretch's sites under v; lanes beyond hold numbers of no

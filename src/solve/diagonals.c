@@ -71,15 +71,15 @@ void haft_diagonals_destroy(haft_diagonals **diagonals) {
     *diagonals = NULL;
 }
 
-HAFT_CLONES void haft_diagonals_multiply(const haft_diagonals *d, double factor, const double *x,
-                                         double *restrict y) {
+HAFT_CLONES void haft_diagonals_multiply(const haft_diagonals *d, size_t n, double factor,
+                                         const double *x, double *restrict y) {
     for (size_t k = 0; k < d->count; k++) {
-        size_t offset = d->offset[k], n = d->n - offset;
+        size_t offset = d->offset[k], length = n > offset ? n - offset : 0;
         const double *a = d->value + k * d->n;
-        for (size_t j = 0; j < n; j++) {
+        for (size_t j = 0; j < length; j++) {
             y[j + offset] += factor * (a[j] * x[j]);
         }
-        for (size_t j = 0; j < n && offset > 0; j++) {
+        for (size_t j = 0; j < length && offset > 0; j++) {
             y[j] += factor * (a[j] * x[j + offset]);
         }
     }

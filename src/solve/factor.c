@@ -109,6 +109,17 @@ void haft_factor_destroy(haft_factor **factor) {
     *factor = NULL;
 }
 
+bool haft_factor_lead(haft_factor *factor, size_t n) {
+    if (factor->narrow == NULL) {
+        return n == (size_t)factor->n;
+    }
+    if (!haft_narrow_lead(factor->narrow, n)) {
+        return false;
+    }
+    factor->n = (int)n;
+    return true;
+}
+
 bool haft_factor_update(haft_factor *factor, const double *values) {
     if (factor->narrow != NULL) {
         return haft_narrow_update(factor->narrow, values);

@@ -18,6 +18,10 @@ haft_status haft_factor_create(haft_factor **out, haft_factor_kind kind, size_t 
                                haft_error *error);
 void haft_factor_destroy(haft_factor **factor);
 
+/* From the next update on, factors and solves for the leading n unknowns alone, others being held;
+ * n of all of them ends that. @return false, and nothing changes, where the solver cannot. */
+bool haft_factor_lead(haft_factor *factor, size_t n);
+
 /* Refactors with the order kept. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);
 

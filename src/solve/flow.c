@@ -4,15 +4,23 @@
  *
  * Integrated by ROS3, a Rosenbrock method of order 3(2), L-stable, with one factorization and two
  * laws a step (Sandu et al. 1997), M/(gamma dt) + H positive definite at every step and the energy
- * falling over it. The step size follows the embedded error, measured where it matters: in the
- * gaps, by the lengths over which the forces change. Once the state is stable and Newton's step to
- * equilibrium is small by that measure, KINSOL finishes. */
+ * falling over it. In long contact only the front of it moves: what lies behind is held for a few
+ * steps, and catches up in one that moves all. The step size follows the embedded error, measured
+ * where it matters: in the gaps, by the lengths over which the forces change. Once the state is
+ * stable and Newton's step to equilibrium is small by that measure, KINSOL finishes. */
 #include "tracker.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
+
+/* What a step moves by no more than this share of what it moves most, and a few sites from it on,
+ * is held in the next ones: for so many steps that to let it go for one costs an eighth of them,
+ * and no longer than until motion comes near it. A hundred times more lands some beams over tables
+ * elsewhere, this much none. */
+#define HELD_SHARE 1e-4
+enum { HELD_STEPS = 8, SPARE_SITES = 8, LEAST_SPARE = 2 };
 
 /* How small Newton's step must be to finish; how small the flow's own step, and the way that its
  * slowing leaves to go, before that is tried: asked sooner, four times in five it is not. */
@@ -230,7 +238,7 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     }
     double error = haft_tracker_move(t, from->gap, t->scratch[0], NULL);
     if (!(error <= allowed)) {
-        return error;
+        return isnan(error) ? INFINITY : error;
     }
     haft_tracker_turn(t);
     if (evaluate_state(t, to)) {
@@ -245,62 +253,128 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     return INFINITY;
 }
 
-haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
-    haft_state *from = &t->spare, *to = &t->next;
-    double departure = 0, dt = depart(t, from, away, &departure);
-    if (isnan(dt)) {
+/* A landing on its way. */
+typedef struct landing {
+    haft_state *from, *to;  /* the state reached, and the one before it or tried next */
+    double departure;       /* from the fold, in lengths */
+    double dt, growth;      /* of the next step, and by how much that may grow */
+    double allowed;         /* error of a step, in lengths */
+    flow_step before, last; /* the last two */
+    int held;               /* steps until what is held is let go */
+} landing;
+
+/* Makes the next step's size of the error of one; no step grows after one that must be shorter. */
+static void adapt(landing *l, double error) {
+    double factor = MARGIN * cbrt(l->allowed / fmax(error, 1e-30));
+    l->dt *= fmin(l->growth, fmax(SHRINKAGE, factor));
+    l->growth = error <= l->allowed ? GROWTH : 1;
+}
+
+/* The sites up to the last that the step taken moved by more than its share. */
+static size_t moved_sites(const haft_tracker *t, const landing *l) {
+    const double *gap = l->from->gap, *before = l->to->gap;
+    size_t moved = t->model->inert;
+    for (size_t r = moved; r < t->model->sites; r++) {
+        double way = fabs(gap[r] - before[r]) / haft_tracker_length(t, r, gap[r]);
+        moved = way > HELD_SHARE * l->last.move ? r + 1 : moved;
+    }
+    return moved;
+}
+
+/* Holds what the step taken hardly moved. */
+static void hold(haft_tracker *t, landing *l) {
+    size_t n = t->n, sites = t->model->sites;
+    if (haft_zone_hold(t, moved_sites(t, l) + SPARE_SITES)) {
+        memcpy(l->to->u, l->from->u, n * sizeof(double));
+        memcpy(l->to->gap, l->from->gap, sites * sizeof(double));
+        evaluate_state(t, l->from);
+        l->held = (int)(HELD_STEPS * n / t->n);
+    }
+}
+
+/* After a step: holds what need not move in the next, or lets go what is held. @return false if the
+ * state cannot be evaluated. */
+static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
+    if (!haft_zone_is_held(t)) {
+        if (!settling) {
+            hold(t, l);
+        }
+        return true;
+    }
+    l->held--;
+    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->model->sites) {
+        haft_zone_enter(t, t->at);
+        return evaluate_state(t, l->from);
+    }
+    return true;
+}
+
+/* Makes the step taken the landing's last. @return whether the flow settles. */
+static bool go_on(haft_tracker *t, landing *l, flow_step taken) {
+    t->cost.flow_steps++;
+    swap(l->from, l->to);
+    haft_zone_narrow(t, l->from, l->to->u);
+    if (l->allowed < t->options.flow_step) {
+        l->allowed = fmin(t->options.flow_step,
+                          ERROR_SHARE * haft_tracker_way(t, t->gap_before, l->from->gap));
+    }
+    l->before = l->last;
+    l->last = taken;
+    return is_settling(l->before, l->last);
+}
+
+/* Brings a flow that settles to rest, if it will: else it goes on. @return HAFT_OUTCOMES if so. */
+static haft_outcome finish(haft_tracker *t, landing *l) {
+    if (!is_arriving(t, l->from)) {
+        return HAFT_OUTCOMES;
+    }
+    if (arrive(t, l->from, l->to, l->departure)) {
+        if (haft_zone_is_clear(t, l->to->u)) {
+            swap(&t->here, l->to);
+            return HAFT_OUTCOME_STUCK;
+        }
+        if (!haft_zone_widen(t, l->from, l->to->u)) {
+            return HAFT_OUTCOME_ZONE_LEFT;
+        }
+    }
+    bool finite = haft_tracker_evaluate(t, l->from->u, l->from->load, NULL, NULL);
+    return finite ? HAFT_OUTCOMES : HAFT_OUTCOME_NOT_FINITE;
+}
+
+/* Why a step that must be shorter is the last, HAFT_OUTCOMES if it is not. */
+static haft_outcome give_up(const haft_tracker *t, const landing *l) {
+    if (t->not_finite > NOT_FINITE_LIMIT) {
         return HAFT_OUTCOME_NOT_FINITE;
     }
-    to->load = from->load;
-    flow_step last = {0, 0};
-    double allowed = fmin(t->options.flow_step, ERROR_SHARE * departure), growth = GROWTH;
-    for (*steps = 0; *steps < FLOW_STEPS;) {
-        double move = 0;
-        double error = try_step(t, from, to, dt, allowed, &move);
-        double factor = MARGIN * cbrt(allowed / fmax(error, 1e-30));
-        double before = dt;
-        dt *= fmin(growth, fmax(SHRINKAGE, factor));
-        bool taken = error <= allowed;
-        growth = taken ? GROWTH : 1;
-        if (!taken) {
-            if (t->not_finite > NOT_FINITE_LIMIT) {
-                return HAFT_OUTCOME_NOT_FINITE;
-            }
-            if (!(dt > 1e-40)) {
-                return HAFT_OUTCOME_FLOW_STALLED;
-            }
-            continue;
-        }
-        if (!haft_zone_is_clear(t, to->u)) {
-            if (!haft_zone_widen(t, from, to->u)) {
-                return HAFT_OUTCOME_ZONE_LEFT;
-            }
-            continue;
-        }
-        (*steps)++;
-        t->cost.flow_steps++;
-        swap(from, to);
-        haft_zone_narrow(t, from, to->u);
-        if (allowed < t->options.flow_step) {
-            allowed = fmin(t->options.flow_step,
-                           ERROR_SHARE * haft_tracker_way(t, t->gap_before, from->gap));
-        }
-        flow_step previous = last;
-        last = (flow_step){before, move};
-        if (is_settling(previous, last) && is_arriving(t, from)) {
-            if (arrive(t, from, to, departure)) {
-                if (haft_zone_is_clear(t, to->u)) {
-                    swap(&t->here, to);
-                    return HAFT_OUTCOME_STUCK;
-                }
-                if (!haft_zone_widen(t, from, to->u)) {
-                    return HAFT_OUTCOME_ZONE_LEFT;
-                }
-            }
-            if (!haft_tracker_evaluate(t, from->u, from->load, NULL, NULL)) {
-                return HAFT_OUTCOME_NOT_FINITE;
+    return l->dt > 1e-40 ? HAFT_OUTCOMES : HAFT_OUTCOME_FLOW_STALLED;
+}
+
+haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
+    landing l = {.from = &t->spare, .to = &t->next, .growth = GROWTH};
+    l.dt = depart(t, l.from, away, &l.departure);
+    if (isnan(l.dt)) {
+        return HAFT_OUTCOME_NOT_FINITE;
+    }
+    l.to->load = l.from->load;
+    l.allowed = fmin(t->options.flow_step, ERROR_SHARE * l.departure);
+    haft_outcome outcome = HAFT_OUTCOMES;
+    for (*steps = 0; *steps < FLOW_STEPS && outcome == HAFT_OUTCOMES;) {
+        flow_step step = {l.dt, 0};
+        double error = try_step(t, l.from, l.to, l.dt, l.allowed, &step.move);
+        adapt(&l, error);
+        if (!(error <= l.allowed)) {
+            outcome = give_up(t, &l);
+        } else if (!haft_zone_is_clear(t, l.to->u)) {
+            outcome = haft_zone_widen(t, l.from, l.to->u) ? outcome : HAFT_OUTCOME_ZONE_LEFT;
+        } else {
+            (*steps)++;
+            bool settling = go_on(t, &l, step);
+            if (!hold_or_let_go(t, &l, settling)) {
+                outcome = HAFT_OUTCOME_NOT_FINITE;
+            } else if (settling) {
+                outcome = finish(t, &l);
             }
         }
     }
-    return HAFT_OUTCOME_FLOW_STALLED;
+    return outcome == HAFT_OUTCOMES ? HAFT_OUTCOME_FLOW_STALLED : outcome;
 }

@@ -51,16 +51,14 @@ static bool find_column(narrow_column *out, int j, const int *row, int from, int
 haft_status haft_narrow_create(haft_narrow **out, size_t n, const int *column, const int *row,
                                haft_error *error) {
     *out = NULL;
-    if (n < LEAST_SIZE) {
-        return HAFT_OK;
-    }
     haft_narrow *narrow = haft_memory_alloc(1, sizeof *narrow, error);
     if (narrow == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    narrow->n = n;
-    narrow->core = HALF + (n - HALF) % 2;
-    narrow->steps = (n - narrow->core) / 2;
+    if (!haft_narrow_lead(narrow, n)) {
+        haft_narrow_destroy(&narrow);
+        return HAFT_OK;
+    }
     narrow->column = haft_memory_alloc(n, sizeof *narrow->column, error);
     narrow->row = haft_memory_alloc(narrow->steps, sizeof *narrow->row, error);
     narrow->y = haft_memory_alloc(narrow->steps, sizeof *narrow->y, error);
@@ -73,6 +71,16 @@ haft_status haft_narrow_create(haft_narrow **out, size_t n, const int *column, c
     }
     *out = narrow;
     return made ? HAFT_OK : HAFT_ERROR_MEMORY;
+}
+
+bool haft_narrow_lead(haft_narrow *narrow, size_t n) {
+    if (n < LEAST_SIZE) {
+        return false;
+    }
+    narrow->n = n;
+    narrow->core = HALF + (n - HALF) % 2;
+    narrow->steps = (n - narrow->core) / 2;
+    return true;
 }
 
 void haft_narrow_destroy(haft_narrow **narrow) {

@@ -13,6 +13,10 @@ haft_status haft_narrow_create(haft_narrow **out, size_t n, const int *column, c
                                haft_error *error);
 void haft_narrow_destroy(haft_narrow **narrow);
 
+/* From the next update on the matrix is that of the leading n unknowns alone, of those it was made
+ * for. @return false, and nothing changes, where they are too few to gain by it. */
+bool haft_narrow_lead(haft_narrow *narrow, size_t n);
+
 /* Factors without pivoting. @return false if a pivot vanished or is not finite. */
 bool haft_narrow_update(haft_narrow *narrow, const double *values);
 

@@ -67,7 +67,7 @@ void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double f
 }
 
 void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y) {
-    haft_diagonals_multiply(t->mass, factor, x, y);
+    haft_diagonals_multiply(t->mass, t->n, factor, x, y);
 }
 
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state) {

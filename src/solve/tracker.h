@@ -59,7 +59,8 @@ typedef struct haft_tracker {
     haft_factor *factor;
     haft_corrector *corrector;
     haft_diagonals *mass;
-    size_t n; /* unknowns */
+    haft_model front; /* of the mesh in use, while what lies behind is held */
+    size_t n;         /* unknowns that move */
     const haft_law *laws;
     haft_law_rows *rows; /* the same, laid out for evaluation */
     haft_path_options options;
@@ -170,8 +171,17 @@ void haft_zones_destroy(haft_tracker *t);
 /* Whether all sites that the mesh in use leaves out are where their laws are nil. */
 bool haft_zone_is_clear(const haft_tracker *t, const double *u);
 
-/* Puts zone `at` in use. */
+/* Puts zone `at` in use, all of it. */
 void haft_zone_enter(haft_tracker *t, size_t at);
+
+/* Holds what lies behind the first so many sites, or a few more, until a zone is entered: the
+ * tracker's model is the front, and t->n its unknowns. @return false, and nothing is held, where
+ * more than half of them would still move. */
+bool haft_zone_hold(haft_tracker *t, size_t sites);
+
+static inline bool haft_zone_is_held(const haft_tracker *t) {
+    return t->model == &t->front;
+}
 
 /* Goes over with a state to a wider mesh, that has what it would touch at u = `ahead`, or to the
  * narrowest that has all that it may touch soon, coming from u = `before` (NULL: at rest). It is

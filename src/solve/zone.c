@@ -5,7 +5,10 @@
  * on the shortest of the beam's meshes that has a few sites to spare before those in reach, changes
  * to a shorter one as they open, and to a longer one before a site left out comes into reach.
  *
- * Only the drag of a landing is the mesh's own: that of the free span is that of its one cubic. */
+ * Only the drag of a landing is the mesh's own: that of the free span is that of its one cubic.
+ *
+ * Behind its front a landing hardly moves what has come to rest. While that is held, a mesh is its
+ * front part alone. */
 #include "tracker.h"
 
 #include <math.h>
@@ -22,6 +25,20 @@ void haft_zone_enter(haft_tracker *t, size_t at) {
     t->factor = zone->factor;
     t->corrector = zone->corrector;
     t->mass = zone->mass;
+    if (t->factor != NULL) {
+        haft_factor_lead(t->factor, t->n);
+    }
+}
+
+bool haft_zone_hold(haft_tracker *t, size_t sites) {
+    size_t moving = 0;
+    t->front = haft_model_front(t->zone[t->at].model, sites, &moving);
+    if (2 * moving > t->n || !haft_factor_lead(t->factor, moving)) {
+        return false;
+    }
+    t->model = &t->front;
+    t->n = moving;
+    return true;
 }
 
 static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *error) {
@@ -70,7 +87,7 @@ static void carry(haft_tracker *t, const haft_model *from, double *u) {
 }
 
 static void change(haft_tracker *t, size_t at, haft_state *state) {
-    const haft_model *from = t->model;
+    const haft_model *from = t->zone[t->at].model;
     haft_zone_enter(t, at);
     carry(t, from, t->mode);
     carry(t, from, state->u);

@@ -117,6 +117,43 @@ static void solves_definite_matrices(void **state) {
     }
 }
 
+/* Held from some unknown on, a matrix solves as its leading part, and leaves what is held alone;
+ * let go, it solves as before to the bit. */
+static void leads_with_its_first_unknowns(void **state) {
+    (void)state;
+    banded m;
+    draw(&m, MOST, 1, 5, 7);
+    haft_narrow *whole = factored(&m);
+    double x[MOST], all[MOST];
+    for (size_t i = 0; i < MOST; i++) {
+        all[i] = cos((double)(i * i));
+    }
+    haft_narrow_solve(whole, all);
+    for (size_t n = 12; n < MOST; n++) {
+        assert_true(haft_narrow_lead(whole, n));
+        assert_true(haft_narrow_update(whole, m.value));
+        double b[MOST];
+        for (size_t i = 0; i < MOST; i++) {
+            b[i] = x[i] = cos((double)(i * i));
+        }
+        haft_narrow_solve(whole, x);
+        banded part = m;
+        part.n = n;
+        assert_true(backward_error(&part, b, x) < 4e-16);
+        assert_memory_equal(x + n, b + n, (MOST - n) * sizeof *x);
+        assert_int_equal(haft_narrow_inertia(whole).negative, 0);
+    }
+    assert_false(haft_narrow_lead(whole, 11));
+    assert_true(haft_narrow_lead(whole, MOST));
+    assert_true(haft_narrow_update(whole, m.value));
+    for (size_t i = 0; i < MOST; i++) {
+        x[i] = cos((double)(i * i));
+    }
+    haft_narrow_solve(whole, x);
+    assert_memory_equal(x, all, sizeof all);
+    haft_narrow_destroy(&whole);
+}
+
 /* The pivots have the signs of the eigenvalues. */
 static void tells_the_inertia(void **state) {
     (void)state;
@@ -150,7 +187,7 @@ static void multiplies_by_diagonals(void **state) {
         }
         haft_diagonals *diagonals = NULL;
         check_ok(haft_diagonals_create(&diagonals, n, m.column, m.row, m.value, &error), error);
-        haft_diagonals_multiply(diagonals, 0.5, x, y);
+        haft_diagonals_multiply(diagonals, n, 0.5, x, y);
         for (size_t i = 0; i < n; i++) {
             long double sum = sin((double)i);
             for (size_t j = 0; j < n; j++) {
@@ -239,9 +276,13 @@ static void leaves_other_patterns(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(solves_definite_matrices),        cmocka_unit_test(tells_the_inertia),
-        cmocka_unit_test(multiplies_by_diagonals),         cmocka_unit_test(factors_anew),
-        cmocka_unit_test(refuses_what_cannot_be_factored), cmocka_unit_test(leaves_other_patterns),
+        cmocka_unit_test(solves_definite_matrices),
+        cmocka_unit_test(leads_with_its_first_unknowns),
+        cmocka_unit_test(tells_the_inertia),
+        cmocka_unit_test(multiplies_by_diagonals),
+        cmocka_unit_test(factors_anew),
+        cmocka_unit_test(refuses_what_cannot_be_factored),
+        cmocka_unit_test(leaves_other_patterns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
