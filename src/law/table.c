@@ -147,75 +147,96 @@ static inline const piece *guess_piece(haft_table_head head, double d) {
     const haft_law_table *table = head.table;
     if (head.per_step > 0) {
         double at = (d - head.first) * head.per_step;
-        return table->piece + (size_t)(at > 0 ? at < head.most ? at : head.most : 0);
+        return table->piece + (int)(at > 0 ? at < head.most ? at : head.most : 0);
     }
     return last_at_most(table, offsetof(piece, start), d);
 }
 
-/* Value at d, first <= d < last, by the piece guessed. */
-static inline haft_law_value evaluate_piece(const haft_law_table *table, const piece *p, double d) {
-    double t = d - p->start;
-    if (t < 0 && p > table->piece) {
-        t = d - (--p)->start;
-    } else if (t >= p->cubic.width && p + 1 < table->piece + table->pieces) {
-        t = d - (++p)->start;
+/* The piece that holds d, first <= d < last, next to the one guessed or that itself. */
+static inline const piece *correct(const haft_law_table *table, const piece *guess, double d) {
+    double t = d - guess->start;
+    if (t < 0 && guess > table->piece) {
+        return guess - 1;
     }
-    const double *c = p->cubic.c;
+    return t >= guess->cubic.width && guess + 1 < table->piece + table->pieces ? guess + 1 : guess;
+}
+
+/* Cubics to be evaluated side by side, each at t from its left end. */
+typedef struct cubics {
+    double t[AHEAD], c[4][AHEAD], potential[AHEAD];
+} cubics;
+
+/* Puts a table's cubic at d into lane i: nil beyond its end, on its wall the tangent. */
+static inline void put_cubic(cubics *cubic, size_t i, haft_table_head head, const piece *guess,
+                             double d) {
+    static const piece NIL;
+    bool beyond = d >= head.last, wall = d < head.first;
+    const piece *p = beyond ? &NIL : wall ? head.table->piece : correct(head.table, guess, d);
+    cubic->t[i] = beyond ? 0 : d - p->start;
+    cubic->c[0][i] = p->cubic.c[0];
+    cubic->c[1][i] = p->cubic.c[1];
+    cubic->c[2][i] = wall ? 0 : p->cubic.c[2];
+    cubic->c[3][i] = wall ? 0 : p->cubic.c[3];
+    cubic->potential[i] = p->potential;
+}
+
+static inline haft_law_value value_in_lane(const cubics *cubic, size_t i) {
+    haft_hermite h = {{cubic->c[0][i], cubic->c[1][i], cubic->c[2][i], cubic->c[3][i]}, 0};
+    double t = cubic->t[i];
     return (haft_law_value){
-        .force = haft_hermite_value(&p->cubic, t),
-        .slope = c[1] + t * (2 * c[2] + t * 3 * c[3]),
-        .curvature = 2 * c[2] + 6 * c[3] * t,
-        .potential = p->potential - haft_hermite_integral(&p->cubic, t),
+        .force = haft_hermite_value(&h, t),
+        .slope = h.c[1] + t * (2 * h.c[2] + t * 3 * h.c[3]),
+        .curvature = 2 * h.c[2] + 6 * h.c[3] * t,
+        .potential = cubic->potential[i] - haft_hermite_integral(&h, t),
     };
 }
 
-/* Value at d, t = d - first < 0: the tangent. */
-static haft_law_value evaluate_wall(const haft_law_table *table, double t) {
-    const piece *p = table->piece;
-    const double *c = p->cubic.c;
-    return (haft_law_value){.force = c[0] + c[1] * t,
-                            .slope = c[1],
-                            .potential = p->potential - t * (c[0] + 0.5 * c[1] * t)};
-}
-
-static inline haft_law_value evaluate(haft_table_head head, const piece *guess, double d) {
-    if (d >= head.last) {
-        return (haft_law_value){0};
+HAFT_CLONES static void evaluate_cubics(const cubics *restrict cubic, size_t n,
+                                        double *restrict force, double *restrict slope,
+                                        double *restrict curvature, double *restrict potential) {
+    for (size_t i = 0; i < n; i++) {
+        haft_law_value x = value_in_lane(cubic, i);
+        force[i] = x.force;
+        slope[i] = x.slope;
+        curvature[i] = x.curvature;
+        potential[i] = x.potential;
     }
-    return d < head.first ? evaluate_wall(head.table, d - head.first)
-                          : evaluate_piece(head.table, guess, d);
 }
 
 haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d) {
     haft_table_head head = haft_law_table_head(table);
-    return evaluate(head, guess_piece(head, d), d);
+    cubics one;
+    put_cubic(&one, 0, head, guess_piece(head, d), d);
+    return value_in_lane(&one, 0);
 }
 
-/* AHEAD tables at a time: the pieces of all are asked for before the first is used. */
+/* Up to AHEAD tables: the pieces of all are asked for before the first is used. */
 static void evaluate_some(const haft_table_head *head, size_t n, const double *d, size_t first,
                           const haft_law_values *out) {
-    const piece *guess[AHEAD] = {NULL};
+    const piece *guess[AHEAD];
+    cubics cubic;
     for (size_t i = 0; i < n; i++) {
-        if (head[i].table != NULL && !(d[i] >= head[i].last)) {
-            guess[i] = guess_piece(head[i], d[i]);
-            __builtin_prefetch(guess[i]);
-        }
+        guess[i] = d[i] >= head[i].last ? NULL : guess_piece(head[i], d[i]);
+        __builtin_prefetch(guess[i]);
     }
     for (size_t i = 0; i < n; i++) {
-        if (head[i].table != NULL) {
-            haft_law_value x = evaluate(head[i], guess[i], d[i]);
-            out->force[first + i] = x.force;
-            out->slope[first + i] = x.slope;
-            out->curvature[first + i] = x.curvature;
-            out->potential[first + i] = x.potential;
-        }
+        put_cubic(&cubic, i, head[i], guess[i], d[i]);
     }
+    evaluate_cubics(&cubic, n, out->force + first, out->slope + first, out->curvature + first,
+                    out->potential + first);
 }
 
 void haft_law_tables_evaluate(const haft_table_head *head, size_t n, const double *d,
                               const haft_law_values *out) {
-    for (size_t i = 0; i < n; i += AHEAD) {
-        evaluate_some(head + i, n - i < AHEAD ? n - i : AHEAD, d + i, i, out);
+    for (size_t i = 0; i < n;) {
+        size_t end = i;
+        while (end < n && end - i < AHEAD && head[end].table != NULL) {
+            end++;
+        }
+        if (end > i) {
+            evaluate_some(head + i, end - i, d + i, i, out);
+        }
+        i = end > i ? end : i + 1;
     }
 }
 
