@@ -135,6 +135,10 @@ double haft_model_crack_length(const haft_model *model, const double *reach, con
     for (size_t r = 0; r < model->sites && model->nodes > 0; r++) {
         double right = r + 1 < model->sites ? 0.5 * (model->site[r].x + model->site[r + 1].x) : end;
         double level = model->gap - reach[r];
+        if (known == e && most < level && right < model->node_x[e + 1]) {
+            left = right; /* nowhere on the element does the beam come so near */
+            continue;
+        }
         while (left < right) {
             while (e + 2 < model->nodes && model->node_x[e + 1] <= left) {
                 e++;

@@ -16,95 +16,6 @@ static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-/* An element's unknowns by nodes. */
-typedef struct element_values {
-    pair near, far;
-} element_values;
-
-static inline double mode_amplitude(const double mode[HAFT_SPAN], element_values v) {
-    pair part = *(const pair *)mode * v.near + *(const pair *)(mode + 2) * v.far;
-    return part[0] + part[1];
-}
-
-/* Forces of an element on its four unknowns at their values v; adds its strain energy. */
-static inline element_values element_forces(const haft_element *element, element_values v,
-                                            double *energy) {
-    const double *d = element->stiffness, *mode = element->mode[0], *other = element->mode[1];
-    double q0 = mode_amplitude(mode, v), q1 = mode_amplitude(other, v);
-    double m0 = d[0] * q0 + d[1] * q1, m1 = d[1] * q0 + d[2] * q1;
-    *energy += 0.5 * (q0 * m0 + q1 * m1);
-    return (element_values){*(const pair *)mode * m0 + *(const pair *)other * m1,
-                            *(const pair *)(mode + 2) * m0 + *(const pair *)(other + 2) * m1};
-}
-
-/* Whether a node's two unknowns are there, the rotation behind the deflection. */
-static inline bool is_node(const int *dof) {
-    return dof[0] >= 0 && dof[1] == dof[0] + 1;
-}
-
-static inline pair node_values(const int *dof, const double *u) {
-    return is_node(dof) ? *(const pair *)(u + dof[0])
-                        : (pair){dof[0] < 0 ? 0 : u[dof[0]], dof[1] < 0 ? 0 : u[dof[1]]};
-}
-
-static inline void add_to_node(const int *dof, pair force, double *y) {
-    if (is_node(dof)) {
-        *(pair *)(y + dof[0]) += force;
-        return;
-    }
-    for (int k = 0; k < 2; k++) {
-        if (dof[k] >= 0) {
-            y[dof[k]] += force[k];
-        }
-    }
-}
-
-static inline element_values values_at(const haft_element *element, const double *u) {
-    return (element_values){node_values(element->dof, u), node_values(element->dof + 2, u)};
-}
-
-static inline pair size(pair x) {
-    return (pair){fabs(x[0]), fabs(x[1])};
-}
-
-static inline double larger_of_node(double largest, const int *dof, pair force) {
-    pair sizes = size(force);
-    largest = dof[0] < 0 ? largest : larger(largest, sizes[0]);
-    return dof[1] < 0 ? largest : larger(largest, sizes[1]);
-}
-
-/* Strain energy of all elements in units of energy; their forces go into the gradient, the greatest
- * of them into `largest` if that is asked for, and how much the energy moves when each unknown is
- * rounded into `rounding`, in units of 2^-53. */
-static double add_strain(const haft_model *model, const double *u, double *gradient,
-                         double *largest, double *rounding) {
-    double energy = 0;
-    pair moved = {0, 0};
-    for (size_t e = 0; e < model->elements; e++) {
-        const haft_element *element = &model->element[e];
-        element_values v = values_at(element, u), f = element_forces(element, v, &energy);
-        if (gradient != NULL) {
-            add_to_node(element->dof, f.near, gradient);
-            add_to_node(element->dof + 2, f.far, gradient);
-            moved += size(f.near * v.near) + size(f.far * v.far);
-        }
-        if (largest != NULL) {
-            *largest = larger_of_node(*largest, element->dof, f.near);
-            *largest = larger_of_node(*largest, element->dof + 2, f.far);
-        }
-    }
-    *rounding = moved[0] + moved[1];
-    return energy;
-}
-
-/* The element's forces, linear in x, into y. */
-static inline void multiply_element(const haft_element *element, const double *x, double *y) {
-    double energy = 0;
-    element_values f = element_forces(element, values_at(element, x), &energy);
-    add_to_node(element->dof, f.near, y);
-    add_to_node(element->dof + 2, f.far, y);
-}
-
 static void add_load(const haft_site *site, double factor, double *gradient, double *largest) {
     for (int k = 0; k < site->terms; k++) {
         double term = factor * site->shape[k];
@@ -206,7 +117,7 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
     if (hessian != NULL) {
         memcpy(hessian, model->stiffness, model->nonzeros * sizeof *hessian);
     }
-    energy.strain = model->energy_unit * add_strain(model, u, gradient, term, &strain_rounding);
+    energy.strain = model->energy_unit * haft_strain(model, u, gradient, term, &strain_rounding);
     double rounding = 0;
     energy.contact =
         add_contact(model, laws, u, gradient, hessian, term, &rounding, gap, site_stiffness);
@@ -223,9 +134,7 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
                          double *y) {
     memset(y, 0, model->dofs * sizeof *y);
-    for (size_t e = 0; e < model->elements; e++) {
-        multiply_element(&model->element[e], x, y);
-    }
+    haft_strain(model, x, y, NULL, NULL);
     double force[HAFT_STRETCH_ROOM];
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];

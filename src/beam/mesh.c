@@ -133,11 +133,17 @@ static haft_site make_point(const double *node_x, size_t nodes, const double *no
     return site;
 }
 
-static haft_element make_element(const double *node_x, const double *node_length, size_t e,
+/* Length of element e. Those a pitch long are so to the bit, and alike: not what the rounding of
+ * their nodes' positions would make of each. */
+static double element_length(const double *node_x, size_t e, double pitch) {
+    double l = node_x[e + 1] - node_x[e];
+    return fabs(l - pitch) < NODE_TOLERANCE * pitch ? pitch : l;
+}
+
+static haft_element make_element(const double *node_length, size_t e, double l,
                                  double beam_length) {
     haft_element element = {0};
     element_dofs(e, element.dof);
-    double l = node_x[e + 1] - node_x[e];
     double s1 = l / node_length[e], s2 = l / node_length[e + 1];
     double mode[2][HAFT_SPAN] = {{1, s1, -1, 0}, {1, 0, -1, s2}};
     memcpy(element.mode, mode, sizeof mode);
@@ -181,10 +187,10 @@ static haft_status allocate_parts(beam_parts *parts, size_t nodes, size_t sites,
     return all ? HAFT_OK : HAFT_ERROR_MEMORY;
 }
 
-static void scale_nodes(beam_parts *parts, size_t nodes, double gap) {
+static void scale_nodes(beam_parts *parts, size_t nodes, double pitch, double gap) {
     for (size_t i = 0; i < nodes; i++) {
-        double before = i == 0 ? 0 : parts->x[i] - parts->x[i - 1];
-        double after = i + 1 == nodes ? 0 : parts->x[i + 1] - parts->x[i];
+        double before = i == 0 ? 0 : element_length(parts->x, i - 1, pitch);
+        double after = i + 1 == nodes ? 0 : element_length(parts->x, i, pitch);
         double own = before > 0 && after > 0 ? 0.5 * (before + after) : before + after;
         parts->node_length[i] = own;
         parts->node_scale[i] = gap / own;
@@ -201,9 +207,12 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
     if (status != HAFT_OK) {
         return status;
     }
-    scale_nodes(parts, nodes, beam->gap);
+    bool uniform = mesh->kind == HAFT_MESH_UNIFORM;
+    double pitch = beam->length / (double)(uniform ? nodes - 1 : sites);
+    scale_nodes(parts, nodes, pitch, beam->gap);
     for (size_t e = 0; e + 1 < nodes; e++) {
-        parts->element[e] = make_element(parts->x, parts->node_length, e, beam->length);
+        double length = element_length(parts->x, e, pitch);
+        parts->element[e] = make_element(parts->node_length, e, length, beam->length);
     }
     for (size_t r = 0; r < sites; r++) {
         double x = site_position(beam->length, sites, r);

@@ -79,12 +79,14 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
     layout->share = haft_memory_alloc(HAFT_SHARES * sites, sizeof(double), error);
     layout->dof = haft_memory_alloc(sites, sizeof *layout->dof, error);
     layout->slot = haft_memory_alloc(sites, sizeof *layout->slot, error);
-    if (!layout->stretch || !layout->run || !layout->shape || !layout->area || !layout->top ||
-        !layout->share || !layout->dof || !layout->slot) {
+    layout->element_run = haft_memory_alloc(model->elements, sizeof *layout->element_run, error);
+    if (!layout->element_run || !layout->stretch || !layout->run || !layout->shape ||
+        !layout->area || !layout->top || !layout->share || !layout->dof || !layout->slot) {
         haft_layout_destroy(&layout);
         return HAFT_ERROR_MEMORY;
     }
     *stretches = find_runs(layout, model);
+    layout->element_runs = haft_strain_find_runs(model, layout->element_run);
     fill(layout, model);
     *out = layout;
     return HAFT_OK;
@@ -102,6 +104,7 @@ void haft_layout_destroy(haft_layout **layout) {
     haft_memory_free((*layout)->share);
     haft_memory_free((*layout)->dof);
     haft_memory_free((*layout)->slot);
+    haft_memory_free((*layout)->element_run);
     haft_memory_free(*layout);
     *layout = NULL;
 }

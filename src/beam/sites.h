@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sites of a model laid out for vector code, private to the room. */
+/* The sites and elements of a model laid out for vector code, private to the room. */
 #ifndef HAFT_BEAM_SITES_H
 #define HAFT_BEAM_SITES_H
 
@@ -10,7 +10,7 @@ typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* Sites whose laws are evaluated together, and the room that arrays of them need: work is done in
  * whole lanes, which may run over a stretch's end. */
-enum { HAFT_STRETCH = 16, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
+enum { HAFT_STRETCH = 32, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
 
 /* A stretch of sites, and which runs lie in it. */
 typedef struct haft_stretch {
@@ -37,12 +37,23 @@ struct haft_layout {
     double *top;     /* stride: the greatest of a site's shapes in size [m] */
     double *share;   /* HAFT_SHARES a site */
     int *dof, *slot; /* of each site: its first unknown, and that one's place on the diagonal */
+    size_t element_runs;
+    size_t *element_run; /* the first elements of runs that are alike and lie side by side */
 };
 
 /* The layout of a model's sites; tells the number of its stretches. */
 haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_model *model,
                                haft_error *error);
 void haft_layout_destroy(haft_layout **layout);
+
+/* Puts the first elements of a model's runs into run[elements]. @return how many there are. */
+size_t haft_strain_find_runs(const haft_model *model, size_t *run);
+
+/* Strain energy of a state in units of energy; its forces are added to the gradient. With that,
+ * takes the greatest of an element's forces into `largest`, and adds how much the energy moves as
+ * each unknown is rounded, in units of 2^-53, to `rounding`. All three may be NULL. */
+double haft_strain(const haft_model *model, const double *u, double *gradient, double *largest,
+                   double *rounding);
 
 /* Displacements w[HAFT_STRETCH_ROOM] of a stretch's sites under v; lanes beyond hold numbers of no
  * meaning, but finite where v is. */
