@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Landings that hold what lies behind their front: slender beams in contact over hundreds of sites.
- * The oracle holds nothing: IDA, variable-order BDF at tight tolerance with M and H in bands, from
- * the last stable state before each jump and a ten-millionth more than the fold's load. */
+ * The oracle holds nothing: IDA, variable-order BDF at tight tolerance with M and H in bands. */
 #ifndef HAFT_TEST_HELD_ORACLE_H
 #define HAFT_TEST_HELD_ORACLE_H
 
 #include "evaluate.h"
+#include "landings.h"
 #include "random_beam.h"
 
 #include <ida/ida.h>
@@ -73,7 +73,9 @@ static inline void find_speed(oracle *o, N_Vector u, N_Vector speed, SUNMatrix m
 }
 
 /* Integrates from `u` until the gaps' speed has died away; the end replaces `u`. */
-static inline void let_flow(oracle *o, double *u) {
+static inline void let_flow(void *ida_oracle, double load, double *u) {
+    oracle *o = ida_oracle;
+    o->load = load;
     SUNContext context;
     assert_int_equal(SUNContext_Create(NULL, &context), 0);
     sunindextype n = (sunindextype)o->model->dofs;
@@ -101,26 +103,6 @@ static inline void let_flow(oracle *o, double *u) {
     SUNContext_Free(&context);
 }
 
-static inline size_t check_path(oracle *o, const haft_path *path, double *worst) {
-    size_t n = o->model->dofs, jumps = 0;
-    double *u = haft_memory_alloc(n, sizeof *u, NULL);
-    for (size_t i = 1; i < path->points; i++) {
-        const haft_path_point *p = &path->point[i];
-        if (p->jump < 0) {
-            continue;
-        }
-        memcpy(u, path->state + (i - 1) * n, n * sizeof *u);
-        o->load = p->load * (p->phase == 0 ? 1 + 1e-7 : 1 - 1e-7);
-        let_flow(o, u);
-        double miss = farthest_gap(o->model, u, path->state + i * n);
-        *worst = fmax(*worst, miss);
-        check_less(miss, 1e-12); /* a thousandth of a law's range */
-        jumps++;
-    }
-    haft_memory_free(u);
-    return jumps;
-}
-
 /* Follows a random beam 1 um thick and compares each of its landings, in the course of which a good
  * part of it must have been held; @return how many there were. */
 static inline size_t check_held_landings(double length, uint64_t seed, double *worst) {
@@ -139,7 +121,7 @@ static inline size_t check_held_landings(double length, uint64_t seed, double *w
     check_ok(haft_solve_path(&path, model, law, &programme, &options, &error), error);
     assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
     oracle o = {model, rows, 0, haft_memory_alloc(model->nonzeros, sizeof(double), NULL)};
-    size_t jumps = check_path(&o, path, worst);
+    size_t jumps = check_landings_of(model, path, let_flow, &o, worst);
     double moved = (double)path->cost.unknowns / (double)path->cost.factorizations;
     check_less(moved, 0.85 * (double)model->dofs);
     haft_path_destroy(&path);

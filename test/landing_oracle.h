@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Landings against CVODE. The oracle knows nothing of folds or null vectors: from the last stable
- * state before each jump, at the fold's load and a ten-millionth more, it integrates M u' = -grad
- * Pi by variable-order BDF at tight tolerance until nothing moves. */
+/* Landings against CVODE. The oracle integrates M u' = -grad Pi by variable-order BDF at tight
+ * tolerance until nothing moves. */
 #ifndef HAFT_TEST_LANDING_ORACLE_H
 #define HAFT_TEST_LANDING_ORACLE_H
 
 #include "evaluate.h"
+#include "landings.h"
 #include "random_beam.h"
 
 #include <cvode/cvode.h>
@@ -72,7 +72,9 @@ static inline void free_oracle(oracle *o) {
 }
 
 /* Integrates from `u` until the gaps' speed has died away; the end replaces `u`. */
-static inline void let_flow(oracle *o, double *u) {
+static inline void let_flow(void *cvode_oracle, double load, double *u) {
+    oracle *o = cvode_oracle;
+    o->load = load;
     SUNContext context;
     assert_int_equal(SUNContext_Create(NULL, &context), 0);
     sunindextype n = (sunindextype)o->model->dofs;
@@ -102,25 +104,10 @@ static inline size_t check_landings(uint64_t seed, double *worst) {
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};
     random_beam b = random_beam_create(seed, mesh);
     oracle o = make_oracle(b.model, b.law);
-    size_t n = b.model->dofs, jumps = 0;
-    double *u = haft_memory_alloc(n, sizeof *u, NULL);
     haft_path *path = random_beam_cycle(&b, (haft_path_options){.keep_states = true});
     assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
-    for (size_t i = 1; i < path->points; i++) {
-        const haft_path_point *p = &path->point[i];
-        if (p->jump < 0) {
-            continue;
-        }
-        memcpy(u, path->state + (i - 1) * n, n * sizeof *u);
-        o.load = p->load * (p->phase == 0 ? 1 + 1e-7 : 1 - 1e-7);
-        let_flow(&o, u);
-        double miss = farthest_gap(b.model, u, path->state + i * n);
-        *worst = fmax(*worst, miss);
-        check_less(miss, 1e-12); /* a thousandth of a law's range */
-        jumps++;
-    }
+    size_t jumps = check_landings_of(b.model, path, let_flow, &o, worst);
     haft_path_destroy(&path);
-    haft_memory_free(u);
     free_oracle(&o);
     random_beam_destroy(&b);
     return jumps;

@@ -48,14 +48,4 @@ static inline haft_path *random_beam_cycle(const random_beam *b, haft_path_optio
     return path;
 }
 
-/* How far apart two states' gaps are at most [m]. */
-static inline double farthest_gap(const haft_model *m, const double *u, const double *v) {
-    double most = 0;
-    for (size_t r = 0; r < m->sites; r++) {
-        most = fmax(most, fabs(haft_model_displacement(&m->site[r], u) -
-                               haft_model_displacement(&m->site[r], v)));
-    }
-    return most;
-}
-
 #endif

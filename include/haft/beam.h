@@ -141,7 +141,7 @@ haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
  *  unknowns strains or moves. Its energies are the model's but for a constant, its gradient and the
  *  columns of its Hessian the model's own, except in the last two unknowns, the held node's, which
  *  lack what lies behind.
- *  @param[in] model a beam, or a front of one
+ *  @param[in] model a beam
  *  @param[in] sites that are to move, from the first on: up to a whole stretch of them more do
  *  @param[out] moving unknowns that are not held: the first so many
  *  @return a view of the model's arrays, which is not to be destroyed; the model itself, all its

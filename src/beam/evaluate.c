@@ -12,10 +12,6 @@ void haft_model_gaps(const haft_model *model, const double *u, double *d) {
     }
 }
 
-static inline double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
 static void add_load(const haft_site *site, double factor, double *gradient, double *largest) {
     for (int k = 0; k < site->terms; k++) {
         double term = factor * site->shape[k];

@@ -8,6 +8,10 @@
 /* Two neighbouring unknowns, as a node's deflection and rotation are. */
 typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
 /* Sites whose laws are evaluated together, and the room that arrays of them need: work is done in
  * whole lanes, which may run over a stretch's end. */
 enum { HAFT_STRETCH = 32, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };

@@ -15,10 +15,6 @@ typedef struct sums {
     double energy[BLOCK], moved[BLOCK_DOFS], largest[BLOCK_DOFS];
 } sums;
 
-static inline double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
 /* An element's unknowns, or the forces on them, by nodes. */
 typedef struct element_values {
     pair near, far;

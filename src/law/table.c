@@ -141,10 +141,13 @@ static inline const piece *last_at_most(const haft_law_table *table, size_t offs
     return table->piece + low;
 }
 
-/* The piece that holds d, first <= d < last, or of an even grid perhaps one beside it: found
- * without a look at any. */
+/* The piece that holds d, or of an even grid perhaps one beside it: found without a look at any.
+ * NULL beyond the table's end. */
 static inline const piece *guess_piece(haft_table_head head, double d) {
     const haft_law_table *table = head.table;
+    if (d >= head.last) {
+        return NULL;
+    }
     if (head.per_step > 0) {
         double at = (d - head.first) * head.per_step;
         return table->piece + (int)(at > 0 ? at < head.most ? at : head.most : 0);
@@ -170,7 +173,7 @@ typedef struct cubics {
 static inline void put_cubic(cubics *cubic, size_t i, haft_table_head head, const piece *guess,
                              double d) {
     static const piece NIL;
-    bool beyond = d >= head.last, wall = d < head.first;
+    bool beyond = guess == NULL, wall = d < head.first;
     const piece *p = beyond ? &NIL : wall ? head.table->piece : correct(head.table, guess, d);
     cubic->t[i] = beyond ? 0 : d - p->start;
     cubic->c[0][i] = p->cubic.c[0];
@@ -216,7 +219,7 @@ static void evaluate_some(const haft_table_head *head, size_t n, const double *d
     const piece *guess[AHEAD];
     cubics cubic;
     for (size_t i = 0; i < n; i++) {
-        guess[i] = d[i] >= head[i].last ? NULL : guess_piece(head[i], d[i]);
+        guess[i] = guess_piece(head[i], d[i]);
         __builtin_prefetch(guess[i]);
     }
     for (size_t i = 0; i < n; i++) {

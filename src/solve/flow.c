@@ -272,13 +272,7 @@ static void adapt(landing *l, double error) {
 
 /* The sites up to the last that the step taken moved by more than its share. */
 static size_t moved_sites(const haft_tracker *t, const landing *l) {
-    const double *gap = l->from->gap, *before = l->to->gap;
-    size_t moved = t->model->inert;
-    for (size_t r = moved; r < t->model->sites; r++) {
-        double way = fabs(gap[r] - before[r]) / haft_tracker_length(t, r, gap[r]);
-        moved = way > HELD_SHARE * l->last.move ? r + 1 : moved;
-    }
-    return moved;
+    return haft_tracker_moved(t, l->from->gap, l->to->gap, HELD_SHARE * l->last.move);
 }
 
 /* Holds what the step taken hardly moved. */
@@ -287,7 +281,7 @@ static void hold(haft_tracker *t, landing *l) {
     if (haft_zone_hold(t, moved_sites(t, l) + SPARE_SITES)) {
         memcpy(l->to->u, l->from->u, n * sizeof(double));
         memcpy(l->to->gap, l->from->gap, sites * sizeof(double));
-        evaluate_state(t, l->from);
+        l->from->energy = haft_tracker_energy(t, l->from->u); /* of the front */
         l->held = (int)(HELD_STEPS * n / t->n);
     }
 }

@@ -102,8 +102,7 @@ static double energy_beside(haft_tracker *t, double amplitude) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }
     t->spare.load = t->here.load;
-    t->spare.energy =
-        haft_model_evaluate(t->model, t->rows, t->spare.u, 0, NULL, NULL, NULL, NULL, NULL);
+    t->spare.energy = haft_tracker_energy(t, t->spare.u);
     return haft_tracker_potential(t, &t->spare);
 }
 

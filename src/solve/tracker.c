@@ -43,6 +43,10 @@ bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double
     return isfinite(sum);
 }
 
+haft_energy haft_tracker_energy(const haft_tracker *t, const double *u) {
+    return haft_model_evaluate(t->model, t->rows, u, 0, NULL, NULL, NULL, NULL, NULL);
+}
+
 void haft_tracker_turn(haft_tracker *t) {
     double *gradient = t->gradient, *hessian = t->hessian;
     t->gradient = t->other.gradient;
@@ -113,12 +117,28 @@ double haft_tracker_move(const haft_tracker *t, const double *gap, const double 
     return haft_tracker_greatest(t, gap, t->site[0], site);
 }
 
-double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to) {
+/* The sites' ways from one state's gaps to another's. */
+static const double *subtract(const haft_tracker *t, const double *gap, const double *to) {
     double *way = t->site[0];
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
         way[r] = to[r] - gap[r];
     }
-    return haft_tracker_greatest(t, gap, way, NULL);
+    return way;
+}
+
+double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to) {
+    return haft_tracker_greatest(t, gap, subtract(t, gap, to), NULL);
+}
+
+size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to,
+                          double least) {
+    double *share = t->site[1];
+    measure_moves(t, gap, subtract(t, gap, to), share);
+    size_t moved = t->model->sites;
+    while (moved > t->model->inert && !(share[moved - 1] > least)) {
+        moved--;
+    }
+    return moved;
 }
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {

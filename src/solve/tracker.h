@@ -107,6 +107,9 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
 /* The gradient alone, into `gradient`; what is at hand stays. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient);
 
+/* The energy alone; what is at hand stays. */
+haft_energy haft_tracker_energy(const haft_tracker *t, const double *u);
+
 /* Puts the gradient and Hessian at hand aside, for those that were so before. */
 void haft_tracker_turn(haft_tracker *t);
 
@@ -157,6 +160,10 @@ double haft_tracker_greatest(const haft_tracker *t, const double *gap, const dou
  * state's gaps to another's. */
 double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site);
 double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to);
+
+/* The sites up to the last that goes further than `least` lengths from one state's gaps to
+ * another's: how many they are. */
+size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to, double least);
 
 /* Crack length of a state [m], computed once. */
 double haft_tracker_crack(const haft_tracker *t, haft_state *state);
