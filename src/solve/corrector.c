@@ -9,16 +9,20 @@
  * definite through a simple fold, and eliminates the border with two solves. The matrix that KINSOL
  * is given is a name for the tracker's own Hessian, so that nothing is copied. */
 #include "tracker.h"
+#include "vectors.h"
 
 #include <kinsol/kinsol.h>
 #include <math.h>
-#include <nvector/nvector_serial.h>
 #include <string.h>
 #include <sundials/sundials_config.h>
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 
 enum { NEWTON_LIMIT = 12 };
+
+/* So often a residual may fail to fall below those before: over a table's knots Newton can go round
+ * in circles. */
+enum { RISES = 2 };
 
 /* Residuals are measured against the forces at hand, but never against less than this, in units of
  * energy_unit / gap: an unloaded beam far above its substrate has none. */
@@ -31,6 +35,8 @@ struct haft_corrector {
     double kappa;
     bool evaluated; /* gradient, Hessian and energy at hand are those of the first residual */
     bool finite;
+    double least; /* residual so far, and how often one was not less */
+    int rises;
     haft_energy energy;  /* at the last residual: KINSOL ends on it */
     haft_factor *factor; /* of the Hessian and the border's stiffness, KLU's */
     SUNContext context;
@@ -59,10 +65,14 @@ static int residual(N_Vector y, N_Vector f, void *user) {
     return 0;
 }
 
-/* The residual was evaluated at the same y just before: its Hessian is at hand in the tracker. */
+/* The residual f was evaluated at the same y just before: its Hessian is at hand in the tracker. */
 static int jacobian(N_Vector y, N_Vector f, SUNMatrix matrix, void *user, N_Vector a, N_Vector b) {
-    (void)y, (void)f, (void)matrix, (void)user, (void)a, (void)b;
-    return 0;
+    (void)y, (void)matrix, (void)a, (void)b;
+    haft_corrector *c = user;
+    double now = N_VMaxNorm(f);
+    c->rises += now >= c->least;
+    c->least = fmin(c->least, now);
+    return c->rises < RISES ? 0 : 1;
 }
 
 static SUNMatrix_ID matrix_kind(SUNMatrix matrix) {
@@ -176,98 +186,17 @@ static bool make_context(haft_corrector *c) {
 #endif
 }
 
-enum { LANES = 8 };
-
-/* sqrt(sum (x w)^2), which KINSOL asks for most: eight sums side by side instead of SUNDIALS' one.
- */
-HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
-    const double *a = N_VGetArrayPointer(x), *b = N_VGetArrayPointer(w);
-    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
-    double part[LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            part[k] += (a[i + k] * b[i + k]) * (a[i + k] * b[i + k]);
-        }
-    }
-    for (size_t i = whole; i < n; i++) {
-        part[i - whole] += (a[i] * b[i]) * (a[i] * b[i]);
-    }
-    for (size_t k = 0; k < LANES; k++) {
-        sum += part[k];
-    }
-    return sqrt(sum);
-}
-
-/* z = x y, by which KINSOL scales. */
-HAFT_CLONES static void product(N_Vector x, N_Vector y, N_Vector z) {
-    const double *a = N_VGetArrayPointer(x), *b = N_VGetArrayPointer(y);
-    double *out = N_VGetArrayPointer(z);
-    size_t n = (size_t)N_VGetLength(x);
-    for (size_t i = 0; i < n; i++) {
-        out[i] = a[i] * b[i];
-    }
-}
-
-/* min x, by which KINSOL checks its scales in every call. */
-HAFT_CLONES static sunrealtype least(N_Vector x) {
-    const double *a = N_VGetArrayPointer(x);
-    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
-    double part[LANES], low = INFINITY;
-    for (size_t k = 0; k < LANES; k++) {
-        part[k] = INFINITY;
-    }
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            part[k] = a[i + k] < part[k] ? a[i + k] : part[k];
-        }
-    }
-    for (size_t i = whole; i < n; i++) {
-        part[i - whole] = a[i] < part[i - whole] ? a[i] : part[i - whole];
-    }
-    for (size_t k = 0; k < LANES; k++) {
-        low = part[k] < low ? part[k] : low;
-    }
-    return low;
-}
-
-/* max |x|, likewise. */
-HAFT_CLONES static sunrealtype max_norm(N_Vector x) {
-    const double *a = N_VGetArrayPointer(x);
-    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
-    double part[LANES] = {0}, most = 0;
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
-            part[k] = fabs(a[i + k]) > part[k] ? fabs(a[i + k]) : part[k];
-        }
-    }
-    for (size_t i = whole; i < n; i++) {
-        part[i - whole] = fabs(a[i]) > part[i - whole] ? fabs(a[i]) : part[i - whole];
-    }
-    for (size_t k = 0; k < LANES; k++) {
-        most = part[k] > most ? part[k] : most;
-    }
-    return most;
-}
-
 static bool make_vectors(haft_corrector *c) {
-    sunindextype n = (sunindextype)c->tracker->n;
-    c->y = N_VNew_Serial(n + 1, c->context);
-    c->y_scale = N_VNew_Serial(n + 1, c->context);
-    c->f_scale = N_VNew_Serial(n + 1, c->context);
+    size_t n = c->tracker->n;
+    c->y = haft_vector_create(n + 1, c->context);
+    c->y_scale = haft_vector_create(n + 1, c->context);
+    c->f_scale = haft_vector_create(n + 1, c->context);
     c->matrix = SUNMatNewEmpty(c->context);
     c->solver = SUNLinSolNewEmpty(c->context);
     c->kinsol = KINCreate(c->context);
     if (!c->y || !c->y_scale || !c->f_scale || !c->matrix || !c->solver || !c->kinsol) {
         return false;
     }
-    c->y->ops->nvwl2norm = weighted_norm; /* and of all that KINSOL makes like it */
-    c->f_scale->ops->nvwl2norm = weighted_norm;
-    c->y->ops->nvprod = product;
-    c->f_scale->ops->nvprod = product;
-    c->y->ops->nvmaxnorm = max_norm;
-    c->f_scale->ops->nvmaxnorm = max_norm;
-    c->y_scale->ops->nvmin = least;
-    c->f_scale->ops->nvmin = least;
     N_VConst(1.0, c->y_scale);
     c->matrix->ops->getid = matrix_kind;
     c->matrix->ops->zero = matrix_zero;
@@ -374,6 +303,8 @@ static bool run_kinsol(haft_corrector *c, double tolerance) {
     if (KINSetFuncNormTol(c->kinsol, tolerance) != KIN_SUCCESS) {
         return false;
     }
+    c->least = INFINITY;
+    c->rises = 0;
     int flag = KINSol(c->kinsol, c->y, KIN_NONE, c->y_scale, c->f_scale);
     long iterations = 0;
     KINGetNumNonlinSolvIters(c->kinsol, &iterations);
