@@ -64,11 +64,10 @@ void haft_hdf_drop(haft_hdf *hdf) {
 
 /* ---- attributes ---- */
 
-static void write_attribute(haft_hdf *hdf, const char *object, const char *name, hid_t stored,
-                            hid_t given, const void *value) {
+static void attach(haft_hdf *hdf, hid_t object, const char *name, hid_t stored, hid_t given,
+                   const void *value) {
     hid_t space = H5Screate(H5S_SCALAR);
-    hid_t attribute = H5Acreate_by_name(hdf->file, object, name, stored, space, H5P_DEFAULT,
-                                        H5P_DEFAULT, H5P_DEFAULT);
+    hid_t attribute = H5Acreate2(object, name, stored, space, H5P_DEFAULT, H5P_DEFAULT);
     if (attribute < 0 || H5Awrite(attribute, given, value) < 0) {
         haft_hdf_fail(hdf, name);
     }
@@ -78,31 +77,48 @@ static void write_attribute(haft_hdf *hdf, const char *object, const char *name,
     H5Sclose(space);
 }
 
-void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, const char *text) {
-    if (hdf->status != HAFT_OK) {
-        return;
-    }
+static void attach_text(haft_hdf *hdf, hid_t object, const char *name, const char *text) {
     hid_t type = H5Tcopy(H5T_C_S1);
     if (type < 0 || H5Tset_size(type, strlen(text) + 1) < 0 ||
         H5Tset_cset(type, H5T_CSET_UTF8) < 0) {
         haft_hdf_fail(hdf, name);
     } else {
-        write_attribute(hdf, object, name, type, type, text);
+        attach(hdf, object, name, type, type, text);
     }
     if (type >= 0) {
         H5Tclose(type);
     }
 }
 
+static hid_t open_object(haft_hdf *hdf, const char *path) {
+    hid_t object = hdf->status == HAFT_OK ? H5Oopen(hdf->file, path, H5P_DEFAULT) : -1;
+    if (object < 0) {
+        haft_hdf_fail(hdf, path);
+    }
+    return object;
+}
+
+void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, const char *text) {
+    hid_t id = open_object(hdf, object);
+    if (id >= 0) {
+        attach_text(hdf, id, name, text);
+        H5Oclose(id);
+    }
+}
+
 void haft_hdf_write_real(haft_hdf *hdf, const char *object, const char *name, double value) {
-    if (hdf->status == HAFT_OK) {
-        write_attribute(hdf, object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+    hid_t id = open_object(hdf, object);
+    if (id >= 0) {
+        attach(hdf, id, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+        H5Oclose(id);
     }
 }
 
 void haft_hdf_write_count(haft_hdf *hdf, const char *object, const char *name, uint64_t value) {
-    if (hdf->status == HAFT_OK) {
-        write_attribute(hdf, object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
+    hid_t id = open_object(hdf, object);
+    if (id >= 0) {
+        attach(hdf, id, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
+        H5Oclose(id);
     }
 }
 
@@ -139,23 +155,24 @@ void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c
 
 /* ---- datasets ---- */
 
-void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
-                    const hsize_t *dims, const void *value, const char *unit,
-                    const char *description) {
+/* Into the group `at`, or the file. */
+static void write_dataset(haft_hdf *hdf, hid_t at, const char *path, haft_hdf_type type, int rank,
+                          const hsize_t *dims, const void *value, const char *unit,
+                          const char *description) {
     static const char nothing[8] = {0};
-    if (hdf->status != HAFT_OK) {
-        return;
-    }
     hid_t stored = type == HAFT_HDF_REAL ? H5T_IEEE_F64LE : H5T_STD_I32LE;
     hid_t given = type == HAFT_HDF_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT;
     hid_t space = H5Screate_simple(rank, dims, NULL);
     hid_t links = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_create_intermediate_group(links, 1);
     H5Pset_obj_track_times(creation, 0);
-    hid_t dataset = H5Dcreate2(hdf->file, path, stored, space, links, creation, H5P_DEFAULT);
+    hid_t dataset = H5Dcreate2(at, path, stored, space, links, creation, H5P_DEFAULT);
     if (dataset < 0 || H5Dwrite(dataset, given, H5S_ALL, H5S_ALL, H5P_DEFAULT,
                                 value != NULL ? value : nothing) < 0) {
         haft_hdf_fail(hdf, path);
+    } else {
+        attach_text(hdf, dataset, "unit", unit);
+        attach_text(hdf, dataset, "description", description);
     }
     if (dataset >= 0) {
         H5Dclose(dataset);
@@ -163,8 +180,30 @@ void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int ran
     H5Pclose(creation);
     H5Pclose(links);
     H5Sclose(space);
-    haft_hdf_write_text(hdf, path, "unit", unit);
-    haft_hdf_write_text(hdf, path, "description", description);
+}
+
+void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
+                    const hsize_t *dims, const void *value, const char *unit,
+                    const char *description) {
+    if (hdf->status == HAFT_OK) {
+        write_dataset(hdf, hdf->file, path, type, rank, dims, value, unit, description);
+    }
+}
+
+/* Opens a group, or makes it and those on the way. */
+static hid_t open_group(haft_hdf *hdf, const char *path) {
+    hid_t group = H5Gopen2(hdf->file, path, H5P_DEFAULT);
+    if (group < 0) {
+        hid_t links = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_GROUP_CREATE);
+        H5Pset_create_intermediate_group(links, 1);
+        group = H5Gcreate2(hdf->file, path, links, creation, H5P_DEFAULT);
+        H5Pclose(creation);
+        H5Pclose(links);
+    }
+    if (group < 0) {
+        haft_hdf_fail(hdf, path);
+    }
+    return group;
 }
 
 void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
@@ -178,17 +217,19 @@ void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
         hdf->status = HAFT_ERROR_MEMORY;
         return;
     }
+    hid_t at = open_group(hdf, group);
     hsize_t dims[1] = {n};
-    for (size_t j = 0; j < columns; j++) {
+    for (size_t j = 0; j < columns && hdf->status == HAFT_OK; j++) {
         size_t size = column[j].type == HAFT_HDF_REAL ? sizeof(double) : sizeof(int);
         for (size_t i = 0; i < n; i++) {
             memcpy((char *)scratch + i * size, (const char *)rows + i * stride + column[j].offset,
                    size);
         }
-        char path[128];
-        snprintf(path, sizeof path, "%s/%s", group, column[j].name);
-        haft_hdf_write(hdf, path, column[j].type, 1, dims, scratch, column[j].unit,
-                       column[j].description);
+        write_dataset(hdf, at, column[j].name, column[j].type, 1, dims, scratch, column[j].unit,
+                      column[j].description);
+    }
+    if (at >= 0) {
+        H5Gclose(at);
     }
     haft_memory_free(scratch);
 }
