@@ -178,6 +178,14 @@ void haft_model_gaps(const haft_model *model, const double *u, double *d);
  *  set to 0. Thread-safe. */
 void haft_model_displacements(const haft_model *model, const double *v, double *w);
 
+/** How many of a model's inert sites, from the first on, are farther from the substrate than they
+ *  reach.
+ *  @param[in] model the structure
+ *  @param[in] u dofs scaled unknowns
+ *  @param[in] reach of each site [m]
+ *  @return `inert` where all are. Thread-safe. */
+size_t haft_model_clear_sites(const haft_model *model, const double *u, const double *reach);
+
 /** y[dofs] += sum over all sites but the inert ones of force[r] times the shape functions of site
  *  r: forces along displacements, in units of energy a metre. Thread-safe. */
 void haft_model_add_forces(const haft_model *model, const double *force, double *y);

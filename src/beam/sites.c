@@ -42,6 +42,18 @@ static size_t find_runs(haft_layout *layout, const haft_model *model) {
     return stretches;
 }
 
+/* Inert sites that share their unknowns, after the other sites' runs. */
+static void find_idle_runs(haft_layout *layout, const haft_model *model) {
+    haft_run *run = layout->run + layout->runs;
+    for (size_t r = 0; r < model->inert; r++) {
+        const haft_site *site = &model->site[r];
+        if (r == 0 || !same_unknowns(&model->site[run[layout->idle - 1].first], site)) {
+            run[layout->idle++] = (haft_run){r, 0, true, false};
+        }
+        run[layout->idle - 1].sites++;
+    }
+}
+
 static void fill(haft_layout *layout, const haft_model *model) {
     for (size_t r = 0; r < model->sites; r++) {
         const double *shape = model->site[r].shape;
@@ -86,6 +98,7 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
         return HAFT_ERROR_MEMORY;
     }
     *stretches = find_runs(layout, model);
+    find_idle_runs(layout, model);
     layout->element_runs = haft_strain_find_runs(model, layout->element_run);
     fill(layout, model);
     *out = layout;
@@ -151,6 +164,45 @@ void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, 
                                 double *w) {
     displace(model, s, v, w);
     memset(w + s->sites, 0, LANES * sizeof *w);
+}
+
+/* How many of a run's sites, from the first on, stay farther than `reach` from the substrate. */
+HAFT_CLONES static size_t count_clear(const haft_model *model, const haft_run *run, const double *u,
+                                      const double *reach) {
+    const haft_site *site = &model->site[run->first];
+    double v[HAFT_SPAN] = {0}, w[HAFT_STRETCH_ROOM];
+    for (int k = 0; k < site->terms; k++) {
+        v[k] = u[site->dof[k]];
+    }
+    for (size_t first = 0; first < run->sites; first += HAFT_STRETCH) {
+        size_t left = run->sites - first, sites = left < HAFT_STRETCH ? left : HAFT_STRETCH;
+        haft_run part = {run->first + first, sites, true, false};
+        shared_displacements(model->layout, &part, v, w);
+        size_t clear = 0;
+        for (size_t i = 0; i < sites; i++) {
+            clear += model->gap - w[i] > reach[part.first + i];
+        }
+        if (clear < sites) {
+            size_t r = 0;
+            while (model->gap - w[r] > reach[part.first + r]) {
+                r++;
+            }
+            return first + r;
+        }
+    }
+    return run->sites;
+}
+
+size_t haft_model_clear_sites(const haft_model *model, const double *u, const double *reach) {
+    const haft_layout *layout = model->layout;
+    for (size_t n = 0; n < layout->idle; n++) {
+        const haft_run *run = &layout->run[layout->runs + n];
+        size_t clear = count_clear(model, run, u, reach);
+        if (clear < run->sites) {
+            return run->first + clear;
+        }
+    }
+    return model->inert;
 }
 
 static void scatter_nodes(const haft_layout *layout, const haft_run *run, const double *force,

@@ -33,7 +33,8 @@ typedef struct haft_run {
 enum { HAFT_COLUMNS = 1 + HAFT_SPAN, HAFT_SHARES = HAFT_COLUMNS * HAFT_SPAN };
 
 struct haft_layout {
-    size_t runs, stride;
+    size_t runs, idle; /* of the sites that take part, and, after those, of the inert ones */
+    size_t stride;
     haft_stretch *stretch;
     haft_run *run;
     double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */

@@ -63,6 +63,7 @@ static double refine(haft_tracker *t, const double *b, double *x) {
 /* Solves H x = b, b in x on entry, H certified, to a relative error of about `enough`. */
 static void solve_refined(haft_tracker *t, double *x, double enough) {
     double *b = t->scratch[0], last = INFINITY, rate = 0;
+    memset(x + t->n, 0, (t->model->dofs - t->n) * sizeof *x);
     memcpy(b, x, t->n * sizeof *b);
     haft_tracker_solve(t, x);
     for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
@@ -269,6 +270,9 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->moved = INFINITY;
     step->defect = INFINITY;
     step->allowed = 0;
+    if (t->at > 0 && !haft_zone_is_clear(t, t->next.u)) {
+        return HAFT_STEP_LEAVES; /* on to a wider mesh, before any work is done on this one */
+    }
     if (!haft_corrector_solve(t, step->control, value, &t->next)) {
         return HAFT_STEP_REJECTED;
     }
@@ -276,7 +280,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }
-    if (!haft_zone_is_clear(t, t->next.u)) {
+    if (!haft_zone_is_clear(t, t->next.u) || haft_zone_unbalance(t) > 0.1 * t->residual) {
         return HAFT_STEP_LEAVES;
     }
     step->inertia = haft_branch_certify(t);

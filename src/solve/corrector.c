@@ -30,6 +30,7 @@ enum { RISES = 2 };
 
 struct haft_corrector {
     haft_tracker *tracker;
+    size_t n; /* unknowns, of which the tracker's move; the load comes after them */
     haft_control control;
     double value;
     double kappa;
@@ -51,7 +52,7 @@ static int residual(N_Vector y, N_Vector f, void *user) {
     haft_tracker *t = c->tracker;
     const double *u = N_VGetArrayPointer(y);
     double *out = N_VGetArrayPointer(f);
-    double load = u[t->n];
+    double load = u[c->n];
     if (!c->evaluated) {
         c->finite = isfinite(load) && haft_tracker_evaluate(t, u, load, &c->energy, NULL);
     }
@@ -60,7 +61,8 @@ static int residual(N_Vector y, N_Vector f, void *user) {
         return 1;
     }
     memcpy(out, t->gradient, t->n * sizeof *out);
-    out[t->n] =
+    memset(out + t->n, 0, (c->n - t->n) * sizeof *out);
+    out[c->n] =
         (c->control.site == NULL ? load : haft_tracker_row(t, c->control.site, u)) - c->value;
     return 0;
 }
@@ -129,14 +131,15 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     haft_tracker *t = c->tracker;
     const double *rhs = N_VGetArrayPointer(b);
     double *out = N_VGetArrayPointer(x);
-    double *y = t->pair, s = rhs[t->n];
+    double *y = t->pair, s = rhs[c->n];
     t->cost.solves++;
     memcpy(y, rhs, t->n * sizeof *y);
+    memset(out + t->n, 0, (c->n - t->n) * sizeof *out);
     if (c->control.site == NULL) {
         haft_tracker_add_row(t, &t->model->load, s, y);
         haft_factor_solve(c->factor, y, 1);
         memcpy(out, y, t->n * sizeof *out);
-        out[t->n] = s;
+        out[c->n] = s;
         return 0;
     }
     double *z = t->pair + t->n;
@@ -152,7 +155,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     for (size_t i = 0; i < t->n; i++) {
         out[i] = y[i] + d_load * z[i];
     }
-    out[t->n] = d_load;
+    out[c->n] = d_load;
     return 0;
 }
 
@@ -187,10 +190,9 @@ static bool make_context(haft_corrector *c) {
 }
 
 static bool make_vectors(haft_corrector *c) {
-    size_t n = c->tracker->n;
-    c->y = haft_vector_create(n + 1, c->context);
-    c->y_scale = haft_vector_create(n + 1, c->context);
-    c->f_scale = haft_vector_create(n + 1, c->context);
+    c->y = haft_vector_create(c->n + 1, c->context);
+    c->y_scale = haft_vector_create(c->n + 1, c->context);
+    c->f_scale = haft_vector_create(c->n + 1, c->context);
     c->matrix = SUNMatNewEmpty(c->context);
     c->solver = SUNLinSolNewEmpty(c->context);
     c->kinsol = KINCreate(c->context);
@@ -230,6 +232,7 @@ haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_er
         return HAFT_ERROR_MEMORY;
     }
     c->tracker = t;
+    c->n = t->n;
     haft_status status = haft_factor_create(&c->factor, HAFT_FACTOR_KLU, t->n, t->model->column,
                                             t->model->row, t->model->stiffness, error);
     if (status != HAFT_OK) {
@@ -271,6 +274,10 @@ void haft_corrector_destroy(haft_corrector **corrector) {
     haft_factor_destroy(&c->factor);
     haft_memory_free(c);
     *corrector = NULL;
+}
+
+bool haft_corrector_lead(haft_corrector *corrector, size_t n) {
+    return haft_factor_lead(corrector->factor, n);
 }
 
 /* What rounding of u alone makes of the forces, by the Hessian at hand: no residual can be asked
@@ -318,8 +325,8 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     c->value = value;
     c->kappa = border_stiffness(t, control);
     double *y = N_VGetArrayPointer(c->y);
-    memcpy(y, state->u, t->n * sizeof *y);
-    y[t->n] = state->load;
+    memcpy(y, state->u, c->n * sizeof *y);
+    y[c->n] = state->load;
     double force = 0;
     c->finite = haft_tracker_evaluate(t, y, state->load, &c->energy, &force);
     if (!c->finite) {
@@ -331,22 +338,24 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     double control_length =
         control.site == NULL ? fmax(fabs(value), 1) : t->range[control.index] / t->model->gap;
     double *scale = N_VGetArrayPointer(c->f_scale);
-    for (size_t i = 0; i < t->n; i++) {
+    for (size_t i = 0; i < c->n; i++) {
         scale[i] = 1 / force;
     }
-    scale[t->n] = 1 / control_length;
+    scale[c->n] = 1 / control_length;
     double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
     bool solved = run_kinsol(c, tolerance);
     if (!solved && c->finite) { /* the floor at the start, at rest say, can be far too low */
         double floor_here = rounding_floor(t, y) / force;
         c->evaluated = false;
         solved = floor_here > tolerance && run_kinsol(c, floor_here);
+        tolerance = floor_here;
     }
+    t->residual = tolerance * force;
     if (!solved) {
         return false;
     }
     memcpy(state->u, y, t->n * sizeof *y);
-    state->load = y[t->n];
+    state->load = y[c->n];
     state->energy = c->energy;
     memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
     state->crack = NAN;

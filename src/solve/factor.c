@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* KLU as a symmetric solver that tells the inertia.
  *
- * With block form, scaling and partial pivoting off, and rows and columns in the same AMD order,
- * KLU computes P A P' = L U with U = D L': the signs of U's diagonal are the inertia. For a
- * positive definite matrix elimination without pivoting is stable (Wilkinson); elsewhere the factor
- * is used only for its signs or in a bordered system made positive definite. */
+ * With block form, scaling and partial pivoting off, and rows and columns in their own order, which
+ * along a beam fills nothing, KLU computes A = L U with U = D L': the signs of U's diagonal are the
+ * inertia. For a positive definite matrix elimination without pivoting is stable (Wilkinson);
+ * elsewhere the factor is used only for its signs or in a bordered system made positive definite.
+ * The factors of a leading part of A are those columns of L and U: to KLU, a matrix of that size.
+ */
 #include "narrow.h"
 
 #include <klu.h>
@@ -16,17 +18,29 @@ struct haft_factor {
     klu_common common;
     klu_symbolic *symbolic;
     klu_numeric *numeric;
+    klu_symbolic leading; /* `symbolic` of the leading n */
+    int blocks[2];        /* where its one block begins and ends */
     int n;
     int *column, *row; /* own copies: KLU's interface is not const */
 };
 
 static bool order_is_symmetric(const haft_factor *factor) {
     for (int k = 0; k < factor->n; k++) {
-        if (factor->numeric->Pnum[k] != factor->symbolic->Q[k]) {
+        if (factor->numeric->Pnum[k] != k || factor->symbolic->Q[k] != k) {
             return false;
         }
     }
     return true;
+}
+
+/* KLU's own order is known to it as given. */
+enum { OWN_ORDER = 2 };
+
+static void lead_sparse(haft_factor *factor, int n) {
+    factor->leading = *factor->symbolic;
+    factor->leading.n = factor->leading.maxblock = factor->blocks[1] = n;
+    factor->leading.R = factor->blocks;
+    factor->n = n;
 }
 
 static haft_status singular(haft_error *error) {
@@ -40,9 +54,10 @@ static haft_status analyse(haft_factor *factor, const double *values, haft_error
     factor->common.scale =
         -1; /* nor is the pattern, which is ours, checked at each refactorization */
     factor->common.tol = 0;
-    factor->common.ordering = 0;
+    factor->common.ordering = OWN_ORDER;
     factor->common.halt_if_singular = 1;
-    factor->symbolic = klu_analyze(factor->n, factor->column, factor->row, &factor->common);
+    factor->symbolic =
+        klu_analyze_given(factor->n, factor->column, factor->row, NULL, NULL, &factor->common);
     if (factor->symbolic == NULL) {
         return haft_error_set(error, HAFT_ERROR_LIBRARY,
                               "KLU cannot analyse the stiffness pattern");
@@ -53,7 +68,11 @@ static haft_status analyse(haft_factor *factor, const double *values, haft_error
     } entries = {values};
     factor->numeric =
         klu_factor(factor->column, factor->row, entries.out, factor->symbolic, &factor->common);
-    return factor->numeric == NULL || !order_is_symmetric(factor) ? singular(error) : HAFT_OK;
+    if (factor->numeric == NULL || !order_is_symmetric(factor)) {
+        return singular(error);
+    }
+    lead_sparse(factor, factor->n);
+    return HAFT_OK;
 }
 
 /* KLU's part of a factor. */
@@ -111,7 +130,11 @@ void haft_factor_destroy(haft_factor **factor) {
 
 bool haft_factor_lead(haft_factor *factor, size_t n) {
     if (factor->narrow == NULL) {
-        return n == (size_t)factor->n;
+        bool fits = n > 1 && n <= (size_t)factor->symbolic->n;
+        if (fits) {
+            lead_sparse(factor, (int)n);
+        }
+        return fits;
     }
     if (!haft_narrow_lead(factor->narrow, n)) {
         return false;
@@ -128,14 +151,14 @@ bool haft_factor_update(haft_factor *factor, const double *values) {
         const double *in;
         double *out;
     } entries = {values};
-    return klu_refactor(factor->column, factor->row, entries.out, factor->symbolic, factor->numeric,
+    return klu_refactor(factor->column, factor->row, entries.out, &factor->leading, factor->numeric,
                         &factor->common) == 1 &&
            factor->common.status == KLU_OK;
 }
 
 void haft_factor_solve(haft_factor *factor, double *b, int columns) {
     if (factor->narrow == NULL) {
-        klu_solve(factor->symbolic, factor->numeric, factor->n, columns, b, &factor->common);
+        klu_solve(&factor->leading, factor->numeric, factor->n, columns, b, &factor->common);
         return;
     }
     for (int k = 0; k < columns; k++) {

@@ -11,18 +11,19 @@ typedef struct haft_factor haft_factor;
 /* Which solver: KLU, or that for narrow matrices where the pattern is one, else KLU. */
 typedef enum haft_factor_kind { HAFT_FACTOR_KLU, HAFT_FACTOR_NARROW } haft_factor_kind;
 
-/* Analyses the pattern once and fixes the pivot order on `values`, which must be positive definite;
- * KLU's is AMD on the diagonal, no block form. */
+/* Analyses the pattern once; `values` must be positive definite. The pivots are the diagonal's, in
+ * their own order. */
 haft_status haft_factor_create(haft_factor **out, haft_factor_kind kind, size_t n,
                                const int *column, const int *row, const double *values,
                                haft_error *error);
 void haft_factor_destroy(haft_factor **factor);
 
 /* From the next update on, factors and solves for the leading n unknowns alone, others being held;
- * n of all of them ends that. @return false, and nothing changes, where the solver cannot. */
+ * n of all of them ends that. @return false, and nothing changes, where the solver cannot: there
+ * are fewer, or n is less than its least. */
 bool haft_factor_lead(haft_factor *factor, size_t n);
 
-/* Refactors with the order kept. @return false if a pivot vanished or is not finite. */
+/* Refactors. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);
 
 /* Solves in place for `columns` right-hand sides of length n, one after the other; up to four

@@ -20,6 +20,7 @@ enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
  * and no longer than until motion comes near it. A hundred times more lands some beams over tables
  * elsewhere, this much none. */
 #define HELD_SHARE 1e-4
+#define HELD_MOST 0.5
 enum { HELD_STEPS = 8, SPARE_SITES = 8, LEAST_SPARE = 2 };
 
 /* How small Newton's step must be to finish; how small the flow's own step, and the way that its
@@ -277,11 +278,8 @@ static size_t moved_sites(const haft_tracker *t, const landing *l) {
 
 /* Holds what the step taken hardly moved. */
 static void hold(haft_tracker *t, landing *l) {
-    size_t n = t->n, sites = t->model->sites;
-    if (haft_zone_hold(t, moved_sites(t, l) + SPARE_SITES)) {
-        memcpy(l->to->u, l->from->u, n * sizeof(double));
-        memcpy(l->to->gap, l->from->gap, sites * sizeof(double));
-        l->from->energy = haft_tracker_energy(t, l->from->u); /* of the front */
+    size_t n = t->n;
+    if (haft_zone_hold(t, l->from, l->to, moved_sites(t, l) + SPARE_SITES, HELD_MOST)) {
         l->held = (int)(HELD_STEPS * n / t->n);
     }
 }

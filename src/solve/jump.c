@@ -32,6 +32,7 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
 /* From `here` along t->null to where the flow leads; the load stays, its work goes on. */
 static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, double fold_defect) {
     haft_tracker *t = w->t;
+    haft_zone_enter(t, t->at);
     haft_jump jump = {.phase = w->phase,
                       .load = t->here.load * t->load_unit,
                       .crack_before = haft_tracker_crack(t, &t->here),
@@ -98,6 +99,7 @@ haft_outcome haft_jump_at_fold(haft_walker *w, const haft_step *step, double def
 
 /* Pi at the load of `here`, at here + amplitude * null. */
 static double energy_beside(haft_tracker *t, double amplitude) {
+    memcpy(t->spare.u, t->here.u, t->zone[t->at].model->dofs * sizeof(double));
     for (size_t i = 0; i < t->n; i++) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }

@@ -8,6 +8,12 @@
  * while, and a length asked for there must not be missed by rounding. */
 #define CRACK_TOLERANCE 1e-9
 
+/* Sites that move by less than this share of the most, and a few before them, are held, if so many
+ * are left to move at most; and more of them later if that is worth it. */
+#define STILL_SHARE 1e-10
+#define STILL_MOST 0.85
+enum { SPARE_SITES = 8, WORTH_SITES = 32 };
+
 void haft_walker_swap(haft_tracker *t) {
     haft_state state = t->here;
     t->here = t->next;
@@ -41,18 +47,50 @@ static void settle(haft_walker *w) {
     w->arrived = false;
 }
 
+/* Lets go at `here` what is held. */
+static void let_go(haft_walker *w) {
+    haft_tracker *t = w->t;
+    haft_zone_enter(t, t->at);
+    haft_tracker_evaluate(t, t->here.u, t->here.load, &t->here.energy, NULL);
+    settle(w);
+}
+
 bool haft_walker_widen(haft_walker *w) {
-    if (!haft_zone_widen(w->t, &w->t->here, w->t->next.u)) {
+    haft_tracker *t = w->t;
+    if (haft_zone_is_held(t) && haft_zone_is_clear(t, t->next.u)) {
+        let_go(w);
+        return true;
+    }
+    if (!haft_zone_widen(t, &t->here, t->next.u)) {
         return false;
     }
     settle(w);
     return true;
 }
 
+/* Holds what hardly moves with the load at `here`, just certified, where that is much of the mesh,
+ * or more than is held already. */
+static void hold(haft_walker *w) {
+    haft_tracker *t = w->t;
+    bool held = haft_zone_is_held(t);
+    size_t sites = haft_tracker_stirred(t, STILL_SHARE) + SPARE_SITES;
+    if (held && sites + WORTH_SITES > t->model->sites) {
+        return;
+    }
+    if (!haft_zone_hold(t, &t->here, &t->next, sites, STILL_MOST)) {
+        if (held) {
+            let_go(w);
+        }
+    } else if (!w->arrived) {
+        haft_branch_certify(t);
+    }
+}
+
 void haft_walker_narrow(haft_walker *w, const double *before) {
     if (haft_zone_narrow(w->t, &w->t->here, before)) {
         settle(w);
     }
+    hold(w);
 }
 
 /* Follows one phase to its end. @return STUCK when it ended as asked. */
@@ -109,6 +147,7 @@ static haft_outcome walk(haft_walker *w) {
     w->phase = 1;
     w->direction = -1;
     outcome = follow(w);
+    haft_zone_enter(t, t->at);
     if (outcome != HAFT_OUTCOME_STUCK) {
         return outcome;
     }

@@ -47,9 +47,9 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
 /* `here` on the whole mesh. */
 static void copy_state(const haft_tracker *t, double *u) {
     if (t->at == 0) {
-        memcpy(u, t->here.u, t->n * sizeof *u);
+        memcpy(u, t->here.u, t->whole->dofs * sizeof *u);
     } else {
-        haft_model_carry(t->model, t->whole, t->here.u, u);
+        haft_model_carry(t->zone[t->at].model, t->whole, t->here.u, u);
     }
 }
 

@@ -23,12 +23,16 @@ HAFT_CLONES static double total(const double *v, size_t n) {
     return sum;
 }
 
+static haft_energy add(haft_energy a, haft_energy b) {
+    return (haft_energy){a.strain + b.strain, a.contact + b.contact, a.rounding + b.rounding};
+}
+
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
                                         t->hessian, force_scale, t->gap, t->site_stiffness);
     if (energy != NULL) {
-        *energy = e;
+        *energy = add(e, t->held.energy);
     }
     double sum = e.strain + e.contact + total(t->gradient, t->n);
     t->not_finite += !isfinite(sum);
@@ -44,7 +48,8 @@ bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double
 }
 
 haft_energy haft_tracker_energy(const haft_tracker *t, const double *u) {
-    return haft_model_evaluate(t->model, t->rows, u, 0, NULL, NULL, NULL, NULL, NULL);
+    haft_energy e = haft_model_evaluate(t->model, t->rows, u, 0, NULL, NULL, NULL, NULL, NULL);
+    return add(e, t->held.energy);
 }
 
 void haft_tracker_turn(haft_tracker *t) {
@@ -130,15 +135,26 @@ double haft_tracker_way(const haft_tracker *t, const double *gap, const double *
     return haft_tracker_greatest(t, gap, subtract(t, gap, to), NULL);
 }
 
+/* The sites up to the last whose motion at the gaps given is more than `least` lengths. */
+static size_t moving_sites(const haft_tracker *t, const double *gap, const double *motion,
+                           double least) {
+    double *share = t->site[1];
+    measure_moves(t, gap, motion, share);
+    size_t moving = t->model->sites;
+    while (moving > t->model->inert && !(share[moving - 1] > least)) {
+        moving--;
+    }
+    return moving;
+}
+
 size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to,
                           double least) {
-    double *share = t->site[1];
-    measure_moves(t, gap, subtract(t, gap, to), share);
-    size_t moved = t->model->sites;
-    while (moved > t->model->inert && !(share[moved - 1] > least)) {
-        moved--;
-    }
-    return moved;
+    return moving_sites(t, gap, subtract(t, gap, to), least);
+}
+
+size_t haft_tracker_stirred(const haft_tracker *t, double share) {
+    double most = haft_tracker_greatest(t, t->here.gap, t->motion, NULL);
+    return moving_sites(t, t->here.gap, t->motion, share * most);
 }
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {

@@ -51,6 +51,13 @@ typedef struct haft_zone {
 
 enum { HAFT_SITE_SCRATCH = 5 };
 
+/* What is held of a mesh: its energies, and the force and moment by which it keeps the front's end
+ * in place. */
+typedef struct haft_held {
+    haft_energy energy;
+    double force[2];
+} haft_held;
+
 typedef struct haft_tracker {
     const haft_model *whole; /* the mesh of the path's states; all vectors have room for its */
     haft_zone *zone;         /* zones: on it and on its shorter ones, in their order */
@@ -59,8 +66,9 @@ typedef struct haft_tracker {
     haft_factor *factor;
     haft_corrector *corrector;
     haft_diagonals *mass;
-    haft_model front; /* of the mesh in use, while what lies behind is held */
-    size_t n;         /* unknowns that move */
+    haft_model front; /* of the mesh in use, while what lies behind is held: */
+    haft_held held;
+    size_t n; /* unknowns that move */
     const haft_law *laws;
     haft_law_rows *rows; /* the same, laid out for evaluation */
     haft_path_options options;
@@ -89,6 +97,7 @@ typedef struct haft_tracker {
     double *null;                    /* n: null vector at a fold */
     bool needs_refinement;           /* the factors alone lose too many digits */
     size_t not_finite;               /* evaluations that were not, since the last accepted state */
+    double residual;                 /* what the corrector last left of the forces, at most */
     double ledger_left; /* what the ledger may still miss at `here`, beside new work's share [J] */
     haft_path_cost cost;
 } haft_tracker;
@@ -165,6 +174,10 @@ double haft_tracker_way(const haft_tracker *t, const double *gap, const double *
  * another's: how many they are. */
 size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to, double least);
 
+/* The sites up to the last that the load moves, at `here` just certified, by more than a share of
+ * what it moves most: how many they are. */
+size_t haft_tracker_stirred(const haft_tracker *t, double share);
+
 /* Crack length of a state [m], computed once. */
 double haft_tracker_crack(const haft_tracker *t, haft_state *state);
 
@@ -181,10 +194,15 @@ bool haft_zone_is_clear(const haft_tracker *t, const double *u);
 /* Puts zone `at` in use, all of it. */
 void haft_zone_enter(haft_tracker *t, size_t at);
 
-/* Holds what lies behind the first so many sites, or a few more, until a zone is entered: the
- * tracker's model is the front, and t->n its unknowns. @return false, and nothing is held, where
- * more than half of them would still move. */
-bool haft_zone_hold(haft_tracker *t, size_t sites);
+/* Holds what lies behind the first so many sites, or a few more, as it is in `state`, until a zone
+ * is entered: the tracker's model is the front, and t->n its unknowns. Energies still are those of
+ * all. `other` is a state to be made of it. @return false, and nothing is held, where more than
+ * `most` of the unknowns, as a share of all, would still move. */
+bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
+                    double most);
+
+/* By how much the forces on what is held are out of balance in the state last evaluated. */
+double haft_zone_unbalance(const haft_tracker *t);
 
 static inline bool haft_zone_is_held(const haft_tracker *t) {
     return t->model == &t->front;
@@ -202,6 +220,10 @@ bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before);
 
 haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_error *error);
 void haft_corrector_destroy(haft_corrector **corrector);
+
+/* From now on, n of the unknowns move, the first ones. @return false, and nothing changes, where it
+ * cannot be so few. */
+bool haft_corrector_lead(haft_corrector *corrector, size_t n);
 
 /* Solves grad Pi = 0 with the control at `value`, from the state given; leaves the Hessian at the
  * solution in t->hessian. @return false if it did not converge. */

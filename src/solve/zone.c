@@ -7,8 +7,8 @@
  *
  * Only the drag of a landing is the mesh's own: that of the free span is that of its one cubic.
  *
- * Behind its front a landing hardly moves what has come to rest. While that is held, a mesh is its
- * front part alone. */
+ * Behind its front neither a step nor a landing moves what has come to rest, or hardly. While that
+ * is held, a mesh is its front part alone. */
 #include "tracker.h"
 
 #include <math.h>
@@ -25,20 +25,63 @@ void haft_zone_enter(haft_tracker *t, size_t at) {
     t->factor = zone->factor;
     t->corrector = zone->corrector;
     t->mass = zone->mass;
+    t->held = (haft_held){.energy = {0}};
     if (t->factor != NULL) {
         haft_factor_lead(t->factor, t->n);
     }
+    if (t->corrector != NULL) {
+        haft_corrector_lead(t->corrector, t->n);
+    }
 }
 
-bool haft_zone_hold(haft_tracker *t, size_t sites) {
+static haft_energy subtract(haft_energy a, haft_energy b) {
+    return (haft_energy){a.strain - b.strain, a.contact - b.contact, a.rounding - b.rounding};
+}
+
+/* What is held does not move: neither by what is left over from when it did, nor from the one state
+ * to the other. */
+static void keep_still(haft_tracker *t, const haft_state *state, haft_state *other) {
+    const haft_model *m = t->zone[t->at].model;
+    double *still[] = {t->solution, t->null,       t->start.u1,   t->start.u2,   t->end.u1,
+                       t->end.u2,   t->rebased.u1, t->rebased.u2, t->stage[0],   t->stage[1],
+                       t->stage[2], t->scratch[0], t->scratch[1], t->scratch[2], t->scratch[3]};
+    for (size_t i = 0; i < sizeof still / sizeof *still; i++) {
+        memset(still[i] + t->n, 0, (m->dofs - t->n) * sizeof(double));
+    }
+    size_t first = t->model->sites, sites = m->sites - first;
+    memset(t->motion + first, 0, sites * sizeof(double));
+    memcpy(other->u + t->n, state->u + t->n, (m->dofs - t->n) * sizeof(double));
+    memcpy(other->gap + first, state->gap + first, sites * sizeof(double));
+}
+
+bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
+                    double most) {
+    const haft_model *m = t->zone[t->at].model;
     size_t moving = 0;
-    t->front = haft_model_front(t->zone[t->at].model, sites, &moving);
-    if (2 * moving > t->n || !haft_factor_lead(t->factor, moving)) {
+    haft_model front = haft_model_front(m, sites, &moving);
+    if ((double)moving > most * (double)m->dofs || !haft_factor_lead(t->factor, moving) ||
+        !haft_corrector_lead(t->corrector, moving)) {
+        haft_zone_enter(t, t->at);
         return false;
     }
+    t->front = front;
     t->model = &t->front;
     t->n = moving;
+    keep_still(t, state, other);
+    haft_energy part;
+    t->held = (haft_held){.energy = {0}};
+    haft_tracker_evaluate(t, state->u, state->load, &part, NULL);
+    t->held = (haft_held){.energy = subtract(state->energy, part),
+                          .force = {t->gradient[moving], t->gradient[moving + 1]}};
     return true;
+}
+
+double haft_zone_unbalance(const haft_tracker *t) {
+    if (!haft_zone_is_held(t)) {
+        return 0;
+    }
+    const double *now = t->gradient + t->n, *then = t->held.force;
+    return fmax(fabs(now[0] - then[0]), fabs(now[1] - then[1]));
 }
 
 static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *error) {
@@ -95,26 +138,15 @@ static void change(haft_tracker *t, size_t at, haft_state *state) {
     haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
 }
 
-/* How many sites from the first on, of those that the mesh leaves out, are where their laws are
- * nil. */
-static size_t clear_sites(const haft_tracker *t, const double *u) {
-    size_t r = 0;
-    while (r < t->model->inert &&
-           t->model->gap - haft_model_displacement(&t->model->site[r], u) > t->nil[r]) {
-        r++;
-    }
-    return r;
-}
-
 bool haft_zone_is_clear(const haft_tracker *t, const double *u) {
-    return clear_sites(t, u) == t->model->inert;
+    return haft_model_clear_sites(t->model, u, t->nil) == t->model->inert;
 }
 
 bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead) {
     if (t->at == 0) {
         return false;
     }
-    size_t clear = clear_sites(t, ahead), at = t->at - 1;
+    size_t clear = haft_model_clear_sites(t->model, ahead, t->nil), at = t->at - 1;
     while (at > 0 && t->zone[at].model->inert > clear) {
         at--;
     }

@@ -8,6 +8,7 @@
 #include <gsl/gsl_linalg.h>
 
 #include "solve/diagonals.h"
+#include "solve/factor.h"
 #include "solve/narrow.h"
 
 enum { MOST = 41, BAND = 3 };
@@ -154,6 +155,41 @@ static void leads_with_its_first_unknowns(void **state) {
     haft_narrow_destroy(&whole);
 }
 
+/* So does KLU's factor, for two right-hand sides too, after matrices that are not definite. */
+static void klu_leads_with_its_first_unknowns(void **state) {
+    (void)state;
+    haft_error error = {0};
+    banded m, other;
+    draw(&m, MOST, 1, 5, 7);
+    draw(&other, MOST, 1, 0.1, 8);
+    haft_factor *factor = NULL;
+    check_ok(haft_factor_create(&factor, HAFT_FACTOR_KLU, MOST, m.column, m.row, m.value, &error),
+             error);
+    double b[2 * MOST], x[2 * MOST];
+    for (size_t n = MOST; n > 1; n--) {
+        assert_true(haft_factor_lead(factor, n));
+        haft_factor_update(factor, other.value);
+        assert_true(haft_factor_update(factor, m.value));
+        assert_int_equal(haft_factor_inertia(factor).negative, 0);
+        for (size_t i = 0; i < 2 * n; i++) {
+            b[i] = x[i] = cos((double)(i * i));
+        }
+        haft_factor_solve(factor, x, 2);
+        banded part = m;
+        part.n = n;
+        assert_true(backward_error(&part, b, x) < 4e-16);
+        assert_true(backward_error(&part, b + n, x + n) < 4e-16);
+    }
+    assert_false(haft_factor_lead(factor, 1));
+    assert_false(haft_factor_lead(factor, MOST + 1));
+    assert_true(haft_factor_lead(factor, MOST));
+    assert_true(haft_factor_update(factor, m.value));
+    memcpy(x, b, sizeof x);
+    haft_factor_solve(factor, x, 1);
+    assert_true(backward_error(&m, b, x) < 4e-16);
+    haft_factor_destroy(&factor);
+}
+
 /* The pivots have the signs of the eigenvalues. */
 static void tells_the_inertia(void **state) {
     (void)state;
@@ -278,6 +314,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solves_definite_matrices),
         cmocka_unit_test(leads_with_its_first_unknowns),
+        cmocka_unit_test(klu_leads_with_its_first_unknowns),
         cmocka_unit_test(tells_the_inertia),
         cmocka_unit_test(multiplies_by_diagonals),
         cmocka_unit_test(factors_anew),
