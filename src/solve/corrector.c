@@ -225,16 +225,17 @@ static bool set_up_kinsol(haft_corrector *c) {
            KINSetMaxNewtonStep(c->kinsol, 1e12) == KIN_SUCCESS;
 }
 
-haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_error *error) {
+haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const haft_model *model,
+                                  haft_error *error) {
     *out = NULL;
     haft_corrector *c = haft_memory_alloc(1, sizeof *c, error);
     if (c == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     c->tracker = t;
-    c->n = t->n;
-    haft_status status = haft_factor_create(&c->factor, HAFT_FACTOR_KLU, t->n, t->model->column,
-                                            t->model->row, t->model->stiffness, error);
+    c->n = model->dofs;
+    haft_status status = haft_factor_create(&c->factor, HAFT_FACTOR_KLU, c->n, model->column,
+                                            model->row, model->stiffness, error);
     if (status != HAFT_OK) {
         haft_corrector_destroy(&c);
         return status;

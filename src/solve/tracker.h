@@ -218,7 +218,8 @@ bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before);
 /* ---- corrector.c: KINSOL on the bordered system
  * --------------------------------------------------- */
 
-haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, haft_error *error);
+haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const haft_model *model,
+                                  haft_error *error);
 void haft_corrector_destroy(haft_corrector **corrector);
 
 /* From now on, n of the unknowns move, the first ones. @return false, and nothing changes, where it

@@ -26,12 +26,8 @@ void haft_zone_enter(haft_tracker *t, size_t at) {
     t->corrector = zone->corrector;
     t->mass = zone->mass;
     t->held = (haft_held){.energy = {0}};
-    if (t->factor != NULL) {
-        haft_factor_lead(t->factor, t->n);
-    }
-    if (t->corrector != NULL) {
-        haft_corrector_lead(t->corrector, t->n);
-    }
+    haft_factor_lead(t->factor, t->n);
+    haft_corrector_lead(t->corrector, t->n);
 }
 
 static haft_energy subtract(haft_energy a, haft_energy b) {
@@ -91,7 +87,7 @@ static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *err
     if (status == HAFT_OK) {
         status = haft_diagonals_create(&zone->mass, m->dofs, m->column, m->row, m->mass, error);
     }
-    return status == HAFT_OK ? haft_corrector_create(&zone->corrector, t, error) : status;
+    return status == HAFT_OK ? haft_corrector_create(&zone->corrector, t, m, error) : status;
 }
 
 haft_status haft_zones_create(haft_tracker *t, haft_error *error) {
@@ -105,7 +101,6 @@ haft_status haft_zones_create(haft_tracker *t, haft_error *error) {
     const haft_model *m = t->whole;
     for (size_t i = 0; i < t->zones; i++, m = m->shorter) {
         t->zone[i].model = m;
-        haft_zone_enter(t, i);
         haft_status status = create_zone(t, &t->zone[i], error);
         if (status != HAFT_OK) {
             return status;
