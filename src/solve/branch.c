@@ -33,6 +33,10 @@
 /* Steps of iterative refinement, and of inverse iteration, at most. */
 enum { REFINEMENTS = 6, EIGEN_SWEEPS = 3 };
 
+/* What the forces on a held part may be out of balance, as a share of what the corrector leaves of
+ * any force: a state with it held is then one of the whole. */
+#define UNBALANCE_SHARE 0.1
+
 /* Side step, in ranges, at which a law's curvature is read beside a kink. */
 #define KINK_OFFSET 1e-7
 
@@ -63,7 +67,7 @@ static double refine(haft_tracker *t, const double *b, double *x) {
 /* Solves H x = b, b in x on entry, H certified, to a relative error of about `enough`. */
 static void solve_refined(haft_tracker *t, double *x, double enough) {
     double *b = t->scratch[0], last = INFINITY, rate = 0;
-    memset(x + t->n, 0, (t->model->dofs - t->n) * sizeof *x);
+    memset(x + t->n, 0, (t->model->dofs - t->n) * sizeof *x); /* what is held stays */
     memcpy(b, x, t->n * sizeof *b);
     haft_tracker_solve(t, x);
     for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
@@ -280,7 +284,8 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }
-    if (!haft_zone_is_clear(t, t->next.u) || haft_zone_unbalance(t) > 0.1 * t->residual) {
+    if (!haft_zone_is_clear(t, t->next.u) ||
+        haft_zone_unbalance(t) > UNBALANCE_SHARE * t->residual) {
         return HAFT_STEP_LEAVES;
     }
     step->inertia = haft_branch_certify(t);

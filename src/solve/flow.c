@@ -15,10 +15,10 @@
 
 enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
 
-/* What a step moves by no more than this share of what it moves most, and a few sites from it on,
- * is held in the next ones: for so many steps that to let it go for one costs an eighth of them,
- * and no longer than until motion comes near it. A hundred times more lands some beams over tables
- * elsewhere, this much none. */
+/* What a step moves by no more than this share of what it moves most, a few sites from it on, is
+ * held in the next ones, if no more than half is left to move: for so many steps that to let it go
+ * for one costs an eighth of them, and no longer than until motion comes near it. A hundred times
+ * more lands some beams over tables elsewhere, this much none. */
 #define HELD_SHARE 1e-4
 #define HELD_MOST 0.5
 enum { HELD_STEPS = 8, SPARE_SITES = 8, LEAST_SPARE = 2 };

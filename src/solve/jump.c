@@ -32,7 +32,7 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
 /* From `here` along t->null to where the flow leads; the load stays, its work goes on. */
 static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, double fold_defect) {
     haft_tracker *t = w->t;
-    haft_zone_enter(t, t->at);
+    haft_zone_enter(t, t->at); /* a jump may move what its branch did not */
     haft_jump jump = {.phase = w->phase,
                       .load = t->here.load * t->load_unit,
                       .crack_before = haft_tracker_crack(t, &t->here),
