@@ -69,7 +69,8 @@ typedef struct haft_path_point {
     double contact_energy;  /**< sum A_r Phi_r(d_r) */
     double work;            /**< of the load */
     double dissipated;      /**< in jumps */
-    double lambda_min;      /**< smallest eigenvalue of H phi = lambda M phi, scaled: > 0 */
+    double lambda_min;      /**< smallest eigenvalue of H phi = lambda M phi, scaled: > 0; of what
+                                 is not held at the time */
     double least_pivot;     /**< smallest pivot of the factored Hessian over its largest: > 0 */
     int phase;              /**< 0 loading, 1 unloading */
     int jump;               /**< index of the jump that led here, -1 if none */
@@ -103,7 +104,8 @@ typedef struct haft_path_cost {
     size_t folds;             /**< located */
     size_t flow_steps;        /**< of all landings */
     size_t unknowns;          /**< of the factorizations together: on the shorter ones of an active
-                                   mesh they have fewer than the model. Not kept in files */
+                                   mesh, and where a part is held, they have fewer than the model.
+                                   Not kept in files */
 } haft_path_cost;
 
 /** A path, grown by haft_solve_path() and owned by the caller. */

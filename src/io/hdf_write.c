@@ -194,10 +194,9 @@ void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int ran
 static hid_t open_group(haft_hdf *hdf, const char *path) {
     hid_t group = H5Gopen2(hdf->file, path, H5P_DEFAULT);
     if (group < 0) {
-        hid_t links = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_GROUP_CREATE);
+        hid_t links = H5Pcreate(H5P_LINK_CREATE);
         H5Pset_create_intermediate_group(links, 1);
-        group = H5Gcreate2(hdf->file, path, links, creation, H5P_DEFAULT);
-        H5Pclose(creation);
+        group = H5Gcreate2(hdf->file, path, links, H5P_DEFAULT, H5P_DEFAULT);
         H5Pclose(links);
     }
     if (group < 0) {

@@ -20,8 +20,8 @@
 
 enum { NEWTON_LIMIT = 12 };
 
-/* So often a residual may fail to fall below those before: over a table's knots Newton can go round
- * in circles. */
+/* Newton is given up at the second residual that is not below all before it: over a table's knots
+ * it can go round in circles. */
 enum { RISES = 2 };
 
 /* Residuals are measured against the forces at hand, but never against less than this, in units of

@@ -294,9 +294,8 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
         return true;
     }
     l->held--;
-    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->model->sites) {
-        haft_zone_enter(t, t->at);
-        return evaluate_state(t, l->from);
+    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->held.moving) {
+        return haft_zone_let_go(t, l->from);
     }
     return true;
 }

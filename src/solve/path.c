@@ -8,8 +8,8 @@
  * while, and a length asked for there must not be missed by rounding. */
 #define CRACK_TOLERANCE 1e-9
 
-/* Sites that move by less than this share of the most, and a few before them, are held, if so many
- * are left to move at most; and more of them later if that is worth it. */
+/* Sites that move by less than this share of the most are held, but for a few, if no more than such
+ * a share of the unknowns is left to move; and later more of them, if that is worth it. */
 #define STILL_SHARE 1e-10
 #define STILL_MOST 0.85
 enum { SPARE_SITES = 8, WORTH_SITES = 32 };
@@ -47,18 +47,15 @@ static void settle(haft_walker *w) {
     w->arrived = false;
 }
 
-/* Lets go at `here` what is held. */
-static void let_go(haft_walker *w) {
-    haft_tracker *t = w->t;
-    haft_zone_enter(t, t->at);
-    haft_tracker_evaluate(t, t->here.u, t->here.load, &t->here.energy, NULL);
+void haft_walker_let_go(haft_walker *w) {
+    haft_zone_let_go(w->t, &w->t->here);
     settle(w);
 }
 
 bool haft_walker_widen(haft_walker *w) {
     haft_tracker *t = w->t;
     if (haft_zone_is_held(t) && haft_zone_is_clear(t, t->next.u)) {
-        let_go(w);
+        haft_walker_let_go(w);
         return true;
     }
     if (!haft_zone_widen(t, &t->here, t->next.u)) {
@@ -79,7 +76,7 @@ static void hold(haft_walker *w) {
     }
     if (!haft_zone_hold(t, &t->here, &t->next, sites, STILL_MOST)) {
         if (held) {
-            let_go(w);
+            haft_walker_let_go(w);
         }
     } else if (!w->arrived) {
         haft_branch_certify(t);

@@ -261,5 +261,10 @@ haft_outcome haft_walker_advance(haft_walker *w) {
         defect_before = step.defect;
         shrink(w, &step);
     }
+    if (haft_zone_is_held(t)) { /* the whole of it may get on */
+        haft_walker_let_go(w);
+        w->eta = t->options.gap_step;
+        return HAFT_OUTCOME_STUCK;
+    }
     return haft_jump_at_crowded_fold(w, &step);
 }

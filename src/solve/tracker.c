@@ -159,7 +159,7 @@ size_t haft_tracker_stirred(const haft_tracker *t, double share) {
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {
     if (isnan(state->crack)) {
-        state->crack = haft_model_crack_length(t->model, t->reach, state->u);
+        state->crack = haft_model_crack_length(t->zone[t->at].model, t->reach, state->u);
     }
     return state->crack;
 }

@@ -51,9 +51,10 @@ typedef struct haft_zone {
 
 enum { HAFT_SITE_SCRATCH = 5 };
 
-/* What is held of a mesh: its energies, and the force and moment by which it keeps the front's end
- * in place. */
+/* What is held of a mesh: how many sites before it can move, its energies, and the force and moment
+ * by which it kept the front's end in place when it began to be held. */
 typedef struct haft_held {
+    size_t moving;
     haft_energy energy;
     double force[2];
 } haft_held;
@@ -61,7 +62,7 @@ typedef struct haft_held {
 typedef struct haft_tracker {
     const haft_model *whole; /* the mesh of the path's states; all vectors have room for its */
     haft_zone *zone;         /* zones: on it and on its shorter ones, in their order */
-    size_t zones, at;        /* and the one in use, which the next five are of */
+    size_t zones, at;        /* and the one in use, which those down to n are of */
     const haft_model *model;
     haft_factor *factor;
     haft_corrector *corrector;
@@ -201,7 +202,11 @@ void haft_zone_enter(haft_tracker *t, size_t at);
 bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
                     double most);
 
-/* By how much the forces on what is held are out of balance in the state last evaluated. */
+/* Lets go what is held, and evaluates a state. @return false if it is not finite. */
+bool haft_zone_let_go(haft_tracker *t, haft_state *state);
+
+/* By how much the forces on the held node, in the state last evaluated, are no more what they were
+ * when it began to be held: so much is out of balance there. */
 double haft_zone_unbalance(const haft_tracker *t);
 
 static inline bool haft_zone_is_held(const haft_tracker *t) {
@@ -264,7 +269,8 @@ double haft_branch_least_eigenvalue(haft_tracker *t);
 typedef enum haft_step_result {
     HAFT_STEP_TAKEN,
     HAFT_STEP_REJECTED,
-    HAFT_STEP_LEAVES,   /* a site that the mesh leaves out would come into reach */
+    HAFT_STEP_LEAVES,   /* a site that the mesh leaves out would come into reach, or what is held
+                           would move */
     HAFT_STEP_AMISS,    /* sound, but the ledger misses more energy than is allowed */
     HAFT_STEP_DIPS,     /* sound, but two folds may hide inside: to be cut at step->dip */
     HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */

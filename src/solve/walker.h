@@ -23,10 +23,13 @@ void haft_walker_swap(haft_tracker *t);
 void haft_walker_book(haft_walker *w, double work, double dissipated);
 void haft_walker_record(haft_walker *w, int jump);
 
-/* Goes over to a mesh wide enough for `next` (false: there is none), or to a narrower one if that
- * is enough for `here`, coming from u = `before` (NULL: at rest), and certifies `here` on it. */
+/* Goes over to a mesh wide enough for `next`, or lets go what is held of this one (false: neither
+ * is possible); goes over to a narrower one if that is enough for `here`, coming from u = `before`
+ * (NULL: at rest), and holds what does not move; or just lets go what is held. `here` is certified
+ * on what is then in use. */
 bool haft_walker_widen(haft_walker *w);
 void haft_walker_narrow(haft_walker *w, const double *before);
+void haft_walker_let_go(haft_walker *w);
 
 /* By how much a state's crack exceeds the one asked for, and whether it ends the loading. */
 double haft_walker_excess(const haft_walker *w, haft_state *state);

@@ -38,9 +38,9 @@ static haft_energy subtract(haft_energy a, haft_energy b) {
  * to the other. */
 static void keep_still(haft_tracker *t, const haft_state *state, haft_state *other) {
     const haft_model *m = t->zone[t->at].model;
-    double *still[] = {t->solution, t->null,       t->start.u1,   t->start.u2,   t->end.u1,
-                       t->end.u2,   t->rebased.u1, t->rebased.u2, t->stage[0],   t->stage[1],
-                       t->stage[2], t->scratch[0], t->scratch[1], t->scratch[2], t->scratch[3]};
+    double *still[] = {t->solution, t->null,     t->mode,       t->start.u1,   t->start.u2,
+                       t->end.u1,   t->end.u2,   t->rebased.u1, t->rebased.u2, t->stage[0],
+                       t->stage[1], t->stage[2], t->scratch[0], t->scratch[1]};
     for (size_t i = 0; i < sizeof still / sizeof *still; i++) {
         memset(still[i] + t->n, 0, (m->dofs - t->n) * sizeof(double));
     }
@@ -48,6 +48,15 @@ static void keep_still(haft_tracker *t, const haft_state *state, haft_state *oth
     memset(t->motion + first, 0, sites * sizeof(double));
     memcpy(other->u + t->n, state->u + t->n, (m->dofs - t->n) * sizeof(double));
     memcpy(other->gap + first, state->gap + first, sites * sizeof(double));
+}
+
+/* How many of the front's sites something can move. */
+static size_t moving_sites(const haft_tracker *t) {
+    size_t sites = t->model->sites;
+    while (sites > 0 && t->model->site[sites - 1].dof[0] >= (int)t->n) {
+        sites--;
+    }
+    return sites;
 }
 
 bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
@@ -67,9 +76,17 @@ bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other,
     haft_energy part;
     t->held = (haft_held){.energy = {0}};
     haft_tracker_evaluate(t, state->u, state->load, &part, NULL);
-    t->held = (haft_held){.energy = subtract(state->energy, part),
+    t->held = (haft_held){.moving = moving_sites(t),
+                          .energy = subtract(state->energy, part),
                           .force = {t->gradient[moving], t->gradient[moving + 1]}};
     return true;
+}
+
+bool haft_zone_let_go(haft_tracker *t, haft_state *state) {
+    haft_zone_enter(t, t->at);
+    bool finite = haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
+    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
+    return finite;
 }
 
 double haft_zone_unbalance(const haft_tracker *t) {

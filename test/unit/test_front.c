@@ -39,6 +39,7 @@ static void compare(const haft_model *model, const haft_law_rows *rows, size_t s
     size_t moving = 0;
     haft_model front = haft_model_front(model, sites, &moving);
     assert_true(front.sites >= sites && moving < model->dofs && front.dofs == moving + 2);
+    assert_true(model->site[sites - 1].dof[0] < (int)moving);
     double u[MOST], v[MOST];
     bend(model, 50, u);
     bend(model, 60, v);
