@@ -46,8 +46,7 @@ static size_t find_runs(haft_layout *layout, const haft_model *model) {
 static void find_idle_runs(haft_layout *layout, const haft_model *model) {
     haft_run *run = layout->run + layout->runs;
     for (size_t r = 0; r < model->inert; r++) {
-        const haft_site *site = &model->site[r];
-        if (r == 0 || !same_unknowns(&model->site[run[layout->idle - 1].first], site)) {
+        if (r == 0 || !continues(model, &run[layout->idle - 1], r)) {
             run[layout->idle++] = (haft_run){r, 0, true, false};
         }
         run[layout->idle - 1].sites++;
@@ -122,6 +121,15 @@ void haft_layout_destroy(haft_layout **layout) {
     *layout = NULL;
 }
 
+/* The unknowns that a run's sites share. */
+static inline void read_unknowns(const haft_model *model, const haft_run *run, const double *u,
+                                 double v[HAFT_SPAN]) {
+    const haft_site *site = &model->site[run->first];
+    for (int k = 0; k < HAFT_SPAN; k++) {
+        v[k] = k < site->terms ? u[site->dof[k]] : 0;
+    }
+}
+
 /* w of a run's sites, in whole lanes: what runs over its end is the next run's to write. */
 static inline void shared_displacements(const haft_layout *layout, const haft_run *run,
                                         const double v[HAFT_SPAN], double *restrict w) {
@@ -145,11 +153,8 @@ HAFT_CLONES static void displace(const haft_model *model, const haft_stretch *s,
         if (run->whole) {
             shared_displacements(layout, run, u + dof[0], to);
         } else if (run->shared) {
-            const haft_site *site = &model->site[run->first];
-            double v[HAFT_SPAN] = {0};
-            for (int k = 0; k < site->terms; k++) {
-                v[k] = u[site->dof[k]];
-            }
+            double v[HAFT_SPAN];
+            read_unknowns(model, run, u, v);
             shared_displacements(layout, run, v, to);
         } else {
             const double *shape = layout->shape + run->first;
@@ -169,11 +174,8 @@ void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, 
 /* How many of a run's sites, from the first on, stay farther than `reach` from the substrate. */
 HAFT_CLONES static size_t count_clear(const haft_model *model, const haft_run *run, const double *u,
                                       const double *reach) {
-    const haft_site *site = &model->site[run->first];
-    double v[HAFT_SPAN] = {0}, w[HAFT_STRETCH_ROOM];
-    for (int k = 0; k < site->terms; k++) {
-        v[k] = u[site->dof[k]];
-    }
+    double v[HAFT_SPAN], w[HAFT_STRETCH_ROOM];
+    read_unknowns(model, run, u, v);
     for (size_t first = 0; first < run->sites; first += HAFT_STRETCH) {
         size_t left = run->sites - first, sites = left < HAFT_STRETCH ? left : HAFT_STRETCH;
         haft_run part = {run->first + first, sites, true, false};

@@ -106,20 +106,21 @@ void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, co
     }
 }
 
-void haft_hdf_write_real(haft_hdf *hdf, const char *object, const char *name, double value) {
+static void write_number(haft_hdf *hdf, const char *object, const char *name, hid_t stored,
+                         hid_t given, const void *value) {
     hid_t id = open_object(hdf, object);
     if (id >= 0) {
-        attach(hdf, id, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+        attach(hdf, id, name, stored, given, value);
         H5Oclose(id);
     }
 }
 
+void haft_hdf_write_real(haft_hdf *hdf, const char *object, const char *name, double value) {
+    write_number(hdf, object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+}
+
 void haft_hdf_write_count(haft_hdf *hdf, const char *object, const char *name, uint64_t value) {
-    hid_t id = open_object(hdf, object);
-    if (id >= 0) {
-        attach(hdf, id, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
-        H5Oclose(id);
-    }
+    write_number(hdf, object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
 }
 
 void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c,

@@ -181,13 +181,6 @@ static double departure_rate(haft_tracker *t, const double *v) {
     return down / weight;
 }
 
-/* Evaluates a state on the way, which keeps its energy and gaps. */
-static bool evaluate_state(haft_tracker *t, haft_state *state) {
-    bool finite = haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
-    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
-    return finite;
-}
-
 /* Puts `from` off the fold by `move` lengths. @return the rate at which it goes on from there, NaN
  * if it cannot be evaluated. */
 static double depart_by(haft_tracker *t, haft_state *from, const double *away, double move) {
@@ -198,7 +191,7 @@ static double depart_by(haft_tracker *t, haft_state *from, const double *away, d
         from->u[i] = t->here.u[i] + v[i];
     }
     from->load = t->here.load;
-    return evaluate_state(t, from) ? departure_rate(t, v) : NAN;
+    return haft_tracker_visit(t, from) ? departure_rate(t, v) : NAN;
 }
 
 /* Puts `from` so little off the fold that the energy still falls there: what lies beyond may be a
@@ -242,7 +235,7 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
         return isnan(error) ? INFINITY : error;
     }
     haft_tracker_turn(t);
-    if (evaluate_state(t, to)) {
+    if (haft_tracker_visit(t, to)) {
         double before = haft_tracker_potential(t, from);
         *move = haft_tracker_way(t, from->gap, to->gap);
         if (haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) &&

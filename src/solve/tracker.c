@@ -39,6 +39,12 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
     return isfinite(sum);
 }
 
+bool haft_tracker_visit(haft_tracker *t, haft_state *state) {
+    bool finite = haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
+    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
+    return finite;
+}
+
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, gradient, NULL,
                                         NULL, NULL, NULL);
@@ -135,26 +141,25 @@ double haft_tracker_way(const haft_tracker *t, const double *gap, const double *
     return haft_tracker_greatest(t, gap, subtract(t, gap, to), NULL);
 }
 
-/* The sites up to the last whose motion at the gaps given is more than `least` lengths. */
-static size_t moving_sites(const haft_tracker *t, const double *gap, const double *motion,
-                           double least) {
-    double *share = t->site[1];
-    measure_moves(t, gap, motion, share);
-    size_t moving = t->model->sites;
-    while (moving > t->model->inert && !(share[moving - 1] > least)) {
-        moving--;
+/* The sites up to the last whose motion, just measured, is more than `least` lengths. */
+static size_t moved_sites(const haft_tracker *t, double least) {
+    const double *share = t->site[1];
+    size_t moved = t->model->sites;
+    while (moved > t->model->inert && !(share[moved - 1] > least)) {
+        moved--;
     }
-    return moving;
+    return moved;
 }
 
 size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to,
                           double least) {
-    return moving_sites(t, gap, subtract(t, gap, to), least);
+    measure_moves(t, gap, subtract(t, gap, to), t->site[1]);
+    return moved_sites(t, least);
 }
 
 size_t haft_tracker_stirred(const haft_tracker *t, double share) {
     double most = haft_tracker_greatest(t, t->here.gap, t->motion, NULL);
-    return moving_sites(t, t->here.gap, t->motion, share * most);
+    return moved_sites(t, share * most);
 }
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {

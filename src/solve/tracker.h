@@ -114,6 +114,9 @@ void haft_tracker_destroy(haft_tracker **tracker);
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale);
 
+/* The same of a state, which keeps its energy and gaps. */
+bool haft_tracker_visit(haft_tracker *t, haft_state *state);
+
 /* The gradient alone, into `gradient`; what is at hand stays. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient);
 

@@ -17,17 +17,21 @@
 /* Sites to spare on a mesh that is gone over to, so that it is not left again at once. */
 enum { SPARE_SITES = 4 };
 
+/* The first n unknowns move from now on. @return false if they are too few for a solver. */
+static bool lead(haft_tracker *t, size_t n) {
+    t->n = n;
+    return haft_factor_lead(t->factor, n) && haft_corrector_lead(t->corrector, n);
+}
+
 void haft_zone_enter(haft_tracker *t, size_t at) {
     const haft_zone *zone = &t->zone[at];
     t->at = at;
     t->model = zone->model;
-    t->n = zone->model->dofs;
     t->factor = zone->factor;
     t->corrector = zone->corrector;
     t->mass = zone->mass;
-    t->held = (haft_held){.energy = {0}};
-    haft_factor_lead(t->factor, t->n);
-    haft_corrector_lead(t->corrector, t->n);
+    t->held = (haft_held){0};
+    lead(t, zone->model->dofs);
 }
 
 static haft_energy subtract(haft_energy a, haft_energy b) {
@@ -64,17 +68,15 @@ bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other,
     const haft_model *m = t->zone[t->at].model;
     size_t moving = 0;
     haft_model front = haft_model_front(m, sites, &moving);
-    if ((double)moving > most * (double)m->dofs || !haft_factor_lead(t->factor, moving) ||
-        !haft_corrector_lead(t->corrector, moving)) {
+    if ((double)moving > most * (double)m->dofs || !lead(t, moving)) {
         haft_zone_enter(t, t->at);
         return false;
     }
     t->front = front;
     t->model = &t->front;
-    t->n = moving;
     keep_still(t, state, other);
     haft_energy part;
-    t->held = (haft_held){.energy = {0}};
+    t->held = (haft_held){0};
     haft_tracker_evaluate(t, state->u, state->load, &part, NULL);
     t->held = (haft_held){.moving = moving_sites(t),
                           .energy = subtract(state->energy, part),
@@ -84,9 +86,7 @@ bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other,
 
 bool haft_zone_let_go(haft_tracker *t, haft_state *state) {
     haft_zone_enter(t, t->at);
-    bool finite = haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
-    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
-    return finite;
+    return haft_tracker_visit(t, state);
 }
 
 double haft_zone_unbalance(const haft_tracker *t) {
