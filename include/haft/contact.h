@@ -166,8 +166,14 @@ typedef enum haft_asperity_model {
     HAFT_ASPERITY_SUMMITS,
     /** Connected regions above d (8-connected); the paraboloid with the region's area A and volume
      *  V: penetration 2V/A, radius A^2/(4 pi V), hence Hertz area A/2. A region cut by the border
-     *  counts in each patch with its part. Its push can fall a little where islands merge. */
+     *  counts in each patch with its part. Its push can fall a little where islands merge. Its
+     *  van der Waals pull is at most the adhesive stress over A. */
     HAFT_ASPERITY_ISLANDS,
+    /** Islands of three points or more, each with the pull of its sphere, however great: what a
+     *  sphere fitted to each island gives without further thought. To compare with results that
+     *  were got so: an island of few points a hair above d has a sphere without bound, so forces
+     *  follow the grid step and do not converge with it. */
+    HAFT_ASPERITY_FITTED,
 } haft_asperity_model;
 
 /** What acts between a patch and the plane. */

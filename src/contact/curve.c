@@ -314,8 +314,13 @@ static haft_status make_alike(haft_contact_work *work, const request *q, size_t 
         haft_wet_shares(&work->wet, (double)patch->rows * (double)patch->columns, share);
     }
     haft_tally tally = {data + n + 1, data + 2 * (n + 1), data + 3 * (n + 1)};
-    (summits ? haft_contact_summits : haft_contact_islands)(
-        work, patch, &levels, above, spec->has_vdw ? &adhesion : NULL, &tally);
+    const haft_adhesion *pull = spec->has_vdw ? &adhesion : NULL;
+    if (summits) {
+        haft_contact_summits(work, patch, &levels, above, pull, &tally);
+    } else {
+        haft_contact_islands(work, patch, &levels, above, pull,
+                             spec->asperities == HAFT_ASPERITY_FITTED, &tally);
+    }
     for (size_t j = first, k = 0; j < q->n; j++) {
         if (same_asperities(q, first, j)) {
             bool is_wet = q->spec[j].has_capillary;

@@ -16,7 +16,13 @@ typedef struct islands {
     uint32_t *parent, *count, *live;
     double *sum;
     uint32_t total, alive;
+    bool fitted;
 } islands;
+
+/* Whether it stands for an asperity; a sphere fitted to points needs three of them. */
+static inline bool counts(const islands *all, uint32_t island) {
+    return !all->fitted || all->count[island] >= 3;
+}
 
 static inline uint32_t find(uint32_t *parent, uint32_t island) {
     while (parent[island] != island) {
@@ -82,31 +88,39 @@ static void drop_merged(islands *all) {
 }
 
 /* Sums over the islands at a depth above the lowest distance. */
-static void add_up(const islands *all, double depth, double *push, double *points) {
-    double sum = 0, covered = 0;
+static void add_up(const islands *all, double depth, double *push, double *points, double *number) {
+    double sum = 0, covered = 0, counted = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
         double n = all->count[island];
-        sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
-        covered += n;
+        if (counts(all, island)) {
+            sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
+            covered += n;
+            counted++;
+        }
     }
     *push = sum;
     *points = covered;
+    *number = counted;
 }
 
 /* The same with each island a Maugis sphere. Its pull is at most the adhesive strength over its
  * area, which is all that is within range, and what a rigid paraboloid has: else an island of one
- * point a hair above the level, whose radius has no bound, would pull without bound. */
+ * point a hair above the level, whose radius has no bound, would pull without bound, as those
+ * fitted do. */
 static void add_spheres(const islands *all, double depth, double step,
                         const haft_adhesion *adhesion, double *push, double *area, double *number) {
     double sum = 0, covered = 0, touching = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
+        if (!counts(all, island)) {
+            continue;
+        }
         double n = all->count[island], base = n * step * step;
         double mean = fmax(all->sum[island] / n - depth, 0);
         haft_sphere sphere = haft_adhesion_sphere(adhesion, base / (4 * M_PI * mean));
         double contact, force = haft_sphere_force(&sphere, 2 * mean - adhesion->range, &contact);
-        sum += fmax(force, -adhesion->strength * base);
+        sum += all->fitted ? force : fmax(force, -adhesion->strength * base);
         covered += fmin(contact, base);
         touching += contact > 0;
     }
@@ -148,7 +162,7 @@ static void make_bunches(haft_contact_work *work, const haft_patch *patch,
 
 void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
                           const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
-                          const haft_tally *tally) {
+                          bool fitted, const haft_tally *tally) {
     uint32_t *order = work->spare;
     make_bunches(work, patch, levels, n, order);
     const uint32_t *end = work->counts + levels->n + 1;
@@ -157,7 +171,8 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
                    .parent = work->top_parent,
                    .count = work->top_count,
                    .live = work->top_live,
-                   .sum = work->top_a};
+                   .sum = work->top_a,
+                   .fitted = fitted};
     memset(all.label, 0, (pitch * (patch->rows + 2) + 1) * sizeof *all.label);
     double lowest = levels->at[0], step = patch->step;
     uint32_t columns = (uint32_t)patch->columns;
@@ -171,15 +186,15 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
             add_point(&all, point + point / columns + pitch + 1, pitch, patch->z[point] - lowest);
         }
         drop_merged(&all);
-        double depth = levels->at[level] - lowest, push = 0, points = 0;
+        double depth = levels->at[level] - lowest, push = 0, points = 0, number = 0;
         if (adhesion != NULL) {
             add_spheres(&all, depth, step, adhesion, &tally->push[level], &tally->area[level],
                         &tally->number[level]);
             continue;
         }
-        add_up(&all, depth, &push, &points);
+        add_up(&all, depth, &push, &points, &number);
         tally->push[level] = sqrt(2 / M_PI) * step * push;
         tally->area[level] = 0.5 * step * step * points;
-        tally->number[level] = all.alive;
+        tally->number[level] = number;
     }
 }

@@ -80,14 +80,15 @@ void haft_wet_set_up(haft_wet *wet, size_t curves, const double *shift, const do
 void haft_wet_count(const haft_wet *wet, const double *z, size_t n);
 void haft_wet_shares(const haft_wet *wet, double points, double *share);
 
-/* The tally of either model from the points work->found[0 .. n - 1], those above levels->at[0];
- * they may overwrite found. Without adhesion the levels are the distances; with it, as far below
- * them as an asperity still is felt: reach for summits, range for islands. */
+/* The tally of summits or of islands from the points work->found[0 .. n - 1], those above
+ * levels->at[0]; they may overwrite found. Without adhesion the levels are the distances; with it,
+ * as far below them as an asperity still is felt: reach for summits, range for islands. fitted:
+ * HAFT_ASPERITY_FITTED. */
 void haft_contact_summits(haft_contact_work *work, const haft_patch *patch,
                           const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
                           const haft_tally *tally);
 void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
                           const haft_levels *levels, size_t n, const haft_adhesion *adhesion,
-                          const haft_tally *tally);
+                          bool fitted, const haft_tally *tally);
 
 #endif

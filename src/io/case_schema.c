@@ -18,7 +18,7 @@ static const char *const uses[] = {"table", "fit", NULL};
 static const char *const sources[] = {"generated", "maps", NULL};
 static const char *const marginals[] = {"gaussian", "johnson", "heights", NULL};
 static const char *const films[] = {"none", "silica", "table", NULL};
-static const char *const asperities[] = {"summits", "islands", NULL};
+static const char *const asperities[] = {"summits", "islands", "fitted_islands", NULL};
 static const char *const forces[] = {"given", "auto", "capillary", "vdw", NULL};
 static const char *const vdw_paths[] = {"separation", "approach", NULL};
 static const char *const kinds[] = {"morse", "table", NULL};
@@ -45,7 +45,9 @@ _Static_assert(HAFT_LEVEL_MEAN == 0 && HAFT_LEVEL_LINES == 3 && HAFT_MISSING_EXC
                    HAFT_SOURCE_GENERATED == 0 && HAFT_MARGINAL_GAUSSIAN == 0 &&
                    HAFT_MARGINAL_HEIGHTS == 2,
                "order of choices");
-_Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1, "order of choices");
+_Static_assert(HAFT_ASPERITY_SUMMITS == 0 && HAFT_ASPERITY_ISLANDS == 1 &&
+                   HAFT_ASPERITY_FITTED == 2,
+               "order of choices");
 _Static_assert(HAFT_FORCES_GIVEN == 0 && HAFT_FORCES_AUTO == 1 && HAFT_FORCES_CAPILLARY == 2 &&
                    HAFT_FORCES_VDW == 3 && HAFT_VDW_SEPARATION == 0 && HAFT_VDW_APPROACH == 1,
                "order of choices");

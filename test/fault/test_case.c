@@ -140,7 +140,7 @@ static const mistake mistakes[] = {
      "asperities: island",
      "island ",
      "contact.asperities: ",
-     {"did you mean islands?", "summits or islands"}},
+     {"did you mean islands?", "summits or islands or fitted_islands"}},
     {"kind: morse", "kind: lennard-jones", "lennard", "law.kind: ", {"give morse or table"}},
     {"[0 deg, 0 deg]",
      "[0 deg]",

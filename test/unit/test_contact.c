@@ -106,8 +106,8 @@ typedef struct sums {
     double push, area, number;
 } sums;
 
-/* Islands by flood fill. */
-static sums flood(const double *z, int rows, int columns, double step, double d) {
+/* Islands of so many points or more by flood fill. */
+static sums flood(const double *z, int rows, int columns, double step, double d, int least) {
     static int stack[MOST], seen[MOST];
     memset(seen, 0, sizeof seen);
     sums s = {0};
@@ -130,6 +130,9 @@ static sums flood(const double *z, int rows, int columns, double step, double d)
                     stack[top++] = o;
                 }
             }
+        }
+        if (count < least) {
+            continue;
         }
         double area = count * step * step;
         double depth = 2 * volume / area, radius = area * area / (4 * M_PI * volume);
@@ -222,8 +225,9 @@ static void check_against_plain(const double *z, int rows, int columns, haft_asp
     get_curve(&a, &spec, z, (size_t)rows, (size_t)columns, step, -0x1p-29, 23 * 0x1p-31);
     for (int k = 0; k < LEVELS; k++) {
         double d = a.distance[k];
-        sums s = model == HAFT_ASPERITY_ISLANDS ? flood(z, rows, columns, step, d)
-                                                : search(z, rows, columns, step, d, a.distance[0]);
+        sums s = model == HAFT_ASPERITY_SUMMITS
+                     ? search(z, rows, columns, step, d, a.distance[0])
+                     : flood(z, rows, columns, step, d, model == HAFT_ASPERITY_FITTED ? 3 : 1);
         int wet = 0;
         for (int p = 0; p < rows * columns; p++) {
             wet += z[p] > d - spec.capillary_range;
@@ -247,6 +251,7 @@ static void curves_equal_the_plain_reckoning(void **state) {
         int rows = which == 11 ? 3 : 70, columns = 96 - (int)which;
         make_patch(z, (size_t)rows, (size_t)columns, which, quanta[which % 3]);
         check_against_plain(z, rows, columns, HAFT_ASPERITY_ISLANDS);
+        check_against_plain(z, rows, columns, HAFT_ASPERITY_FITTED);
         check_against_plain(z, rows, columns, HAFT_ASPERITY_SUMMITS);
     }
 }

@@ -95,7 +95,7 @@ static void beyond_reach_there_is_nothing(void **state) {
     (void)state;
     static double z[MOST];
     make_caps(z);
-    for (int model = 0; model < 2; model++) {
+    for (int model = HAFT_ASPERITY_SUMMITS; model <= HAFT_ASPERITY_FITTED; model++) {
         haft_contact_spec spec = dry_spec((haft_asperity_model)model);
         answer a;
         get_curve(&a, &spec, z, SIDE, SIDE, step, 9.7e-9, 12e-9);
@@ -111,7 +111,7 @@ static void curves_do_not_depend_on_where_they_begin(void **state) {
     (void)state;
     static double z[MOST];
     make_patch(z, 70, 80, 3, 0x1p-60);
-    for (int model = HAFT_ASPERITY_SUMMITS; model <= HAFT_ASPERITY_ISLANDS; model++) {
+    for (int model = HAFT_ASPERITY_SUMMITS; model <= HAFT_ASPERITY_FITTED; model++) {
         haft_contact_spec spec = dry_spec((haft_asperity_model)model);
         answer low, high;
         get_curve(&low, &spec, z, 70, 80, step, 4e-9, 4e-9 + 2e-10 * (LEVELS - 1));
@@ -149,6 +149,34 @@ static void rigid_islands_pull_with_their_area(void **state) {
         assert_true(a.contact[i] == 0);
         assert_true(i > 3 || inside > 3);
     }
+}
+
+/* Islands of one, two and three points a little above the level, far apart: fitted, the third alone
+ * counts, with the pull of its whole sphere; else each has at most the stress over its points. */
+static void fitted_islands_pull_as_their_spheres(void **state) {
+    (void)state;
+    static double z[MOST];
+    const double nominal = SIDE * SIDE * step * step, point = step * step, top = 9e-9;
+    for (int p = 0; p < SIDE * SIDE; p++) {
+        z[p] = -1e-6;
+    }
+    z[10 * SIDE + 10] = z[40 * SIDE + 10] = z[40 * SIDE + 11] = top;
+    z[10 * SIDE + 50] = z[11 * SIDE + 51] = z[12 * SIDE + 51] = top;
+    haft_contact_spec spec = dry_spec(HAFT_ASPERITY_FITTED), bounded = spec;
+    bounded.asperities = HAFT_ASPERITY_ISLANDS;
+    answer fitted, islands;
+    double from = top + 0.3 * dry.range, to = top + 0.99 * dry.range;
+    get_curve(&fitted, &spec, z, SIDE, SIDE, step, from, to);
+    get_curve(&islands, &bounded, z, SIDE, SIDE, step, from, to);
+    for (int i = 0; i < LEVELS; i++) {
+        double depth = top - fitted.distance[i] + dry.range, area;
+        double force = sphere(3 * point / (4 * M_PI * depth), 2 * depth - dry.range,
+                              HAFT_VDW_SEPARATION, &area);
+        check_near(fitted.force[i] * nominal, force, 1e-7 * fabs(force));
+        check_near(fitted.contact[i] * nominal, fmin(area, 3 * point), 1e-6 * area);
+        assert_true(islands.force[i] * nominal >= -6 * point * dry.stress * (1 + 1e-12));
+    }
+    assert_true(fitted.force[LEVELS - 1] * nominal < -10 * 3 * point * dry.stress); /* unbounded */
 }
 
 /* Islands on fine samples of sparse caps come to the spheres. */
@@ -233,6 +261,7 @@ int main(void) {
         cmocka_unit_test(beyond_reach_there_is_nothing),
         cmocka_unit_test(curves_do_not_depend_on_where_they_begin),
         cmocka_unit_test(rigid_islands_pull_with_their_area),
+        cmocka_unit_test(fitted_islands_pull_as_their_spheres),
         cmocka_unit_test(fine_islands_come_to_the_spheres),
         cmocka_unit_test(forces_add_up),
         cmocka_unit_test(bad_specs_are_refused),

@@ -258,7 +258,7 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
     time_vdw(b, &curve, t, error);
     b->contact.has_vdw = false;
     for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
-        bool islands = (c->contact.asperities == HAFT_ASPERITY_ISLANDS) == (k == 1);
+        bool islands = (c->contact.asperities != HAFT_ASPERITY_SUMMITS) == (k == 1);
         b->contact.asperities = islands ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
         double start = now();
         must(haft_contact_curve(b->work, &b->contact, b->z, rows_of(c), columns_of(c),
@@ -454,7 +454,7 @@ int main(int count, char **arguments) {
     printf("%s: %zu patches of %zu x %zu points, grid %g nm, kernel tolerance %g, %s\n", c->name,
            sites_of(c), rows_of(c), columns_of(c), 1e9 * c->surface.grid_step,
            c->surface.kernel_tolerance,
-           c->contact.asperities == HAFT_ASPERITY_ISLANDS ? "islands" : "summits");
+           c->contact.asperities != HAFT_ASPERITY_SUMMITS ? "islands" : "summits");
     double floor = 0;
     compare_with_floor(c, rounds, &floor);
     break_down(c, floor);
