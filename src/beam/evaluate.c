@@ -36,25 +36,31 @@ static void evaluate_stretch(const haft_model *model, const haft_stretch *s,
     haft_law_rows_evaluate(laws, s->first, s->sites, out->d, &values);
 }
 
-/* Energy [J] of a stretch, and what rounding makes of it, each the sum of eight sums side by side;
- * forces and stiffnesses in units of energy take their places. */
+/* Energy [J] of four sites from i on, and what rounding makes of it; forces and stiffnesses in
+ * units of energy take their places. */
+static inline void weigh_four(const double *area, size_t i, double by_unit, stretch_state *s,
+                              quad *energy, quad *push) {
+    const quad here = *(const quad *)(area + i), force = *(const quad *)(s->force + i);
+    const quad weight = here * by_unit;
+    *energy += here * *(const quad *)(s->potential + i);
+    *push += here * (quad)((quad_bits)force & INT64_MAX);
+    *(quad *)(s->force + i) = force * weight;
+    *(quad *)(s->slope + i) *= -weight;
+}
+
+/* The same of a stretch in whole lanes, each the sum of eight sums side by side. By hand: left to
+ * itself a compiler shuffles the lanes of this loop. */
 HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double unit, stretch_state *s,
                                         double *pushed) {
-    double energy[HAFT_LAW_LANES] = {0}, push[HAFT_LAW_LANES] = {0}, by_unit = 1 / unit;
+    quad energy[2] = {{0}, {0}}, push[2] = {{0}, {0}};
+    double by_unit = 1 / unit, sum = 0;
     for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
-        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
-            double here = area[i + k];
-            energy[k] += here * s->potential[i + k];
-            push[k] += here * fabs(s->force[i + k]);
-            double weight = here * by_unit;
-            s->force[i + k] *= weight;
-            s->slope[i + k] *= -weight;
-        }
+        weigh_four(area, i, by_unit, s, &energy[0], &push[0]);
+        weigh_four(area, i + 4, by_unit, s, &energy[1], &push[1]);
     }
-    double sum = 0;
     for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
-        sum += energy[k];
-        *pushed += push[k];
+        sum += energy[k / 4][k % 4];
+        *pushed += push[k / 4][k % 4];
     }
     return sum;
 }

@@ -219,9 +219,6 @@ static void scatter_nodes(const haft_layout *layout, const haft_run *run, const 
     }
 }
 
-/* A column of shares. */
-typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
-
 /* to[4] += q, by halves: neighbouring elements share two unknowns, and a processor reads back at
  * once what it has just written only if that was written in one piece. */
 static inline void add_quad(double *to, const quad *q) {

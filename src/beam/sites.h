@@ -8,6 +8,10 @@
 /* Two neighbouring unknowns, as a node's deflection and rotation are. */
 typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
 
+/* Four neighbouring numbers, such as a column of shares, and their bits. */
+typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8)));
+
 static inline double larger(double a, double b) {
     return a > b ? a : b;
 }

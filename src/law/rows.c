@@ -62,14 +62,18 @@ void haft_law_rows_destroy(haft_law_rows **rows) {
     *rows = NULL;
 }
 
-/* Whether none of LANES laws is anything: a free span. */
+static inline bool is_nil(const double *v, size_t stride, double d) {
+    return (v[3 * stride] * (d - v[stride]) > HAFT_LAW_NIL) & (d >= v[6 * stride]);
+}
+
+/* Whether none of LANES laws is anything: a free span. Beams lie down from their ends, so that the
+ * last of them tells first. */
 static inline bool all_nil(const double *v, size_t stride, const double *d) {
-    bool nil = true;
-    for (size_t i = 0; i < LANES; i++) {
-        nil &= (v[3 * stride + i] * (d[i] - v[stride + i]) > HAFT_LAW_NIL) &
-               (d[i] >= v[6 * stride + i]);
+    size_t i = LANES;
+    while (i > 0 && is_nil(v + i - 1, stride, d[i - 1])) {
+        i--;
     }
-    return nil;
+    return i == 0;
 }
 
 /* LANES laws, the first's numbers at v. */

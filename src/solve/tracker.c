@@ -108,16 +108,34 @@ HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *gap,
     }
 }
 
+/* The largest of n numbers, 0 if none is positive; what is no number is passed over. */
+HAFT_CLONES static double largest_of(size_t n, const double *x) {
+    double part[HAFT_LAW_LANES] = {0};
+    size_t i = 0;
+    for (; i + HAFT_LAW_LANES <= n; i += HAFT_LAW_LANES) {
+        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+            part[k] = x[i + k] > part[k] ? x[i + k] : part[k];
+        }
+    }
+    for (size_t k = 0; i < n; i++, k++) {
+        part[k] = x[i] > part[k] ? x[i] : part[k];
+    }
+    for (size_t k = 1; k < HAFT_LAW_LANES; k++) {
+        part[0] = part[k] > part[0] ? part[k] : part[0];
+    }
+    return part[0];
+}
+
 double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
                              size_t *site) {
-    double *share = t->site[1], largest = 0;
+    double *share = t->site[1];
+    size_t first = t->model->inert, sites = t->model->sites;
     measure_moves(t, gap, motion, share);
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        if (share[r] > largest) {
-            largest = share[r];
-            if (site != NULL) {
-                *site = r;
-            }
+    double largest = largest_of(sites - first, share + first);
+    if (site != NULL && largest > 0) {
+        *site = first;
+        while (share[*site] != largest) {
+            ++*site;
         }
     }
     return largest;
