@@ -171,8 +171,9 @@ typedef enum haft_asperity_model {
     HAFT_ASPERITY_ISLANDS,
     /** Islands of three points or more, each with the pull of its sphere, however great: what a
      *  sphere fitted to each island gives without further thought. To compare with results that
-     *  were got so: an island of few points a hair above d has a sphere without bound, so forces
-     *  follow the grid step and do not converge with it. */
+     *  were got so. With van der Waals forces an island of few points a hair above d - h_0 has a
+     *  sphere of any radius (cut at a thousand patch diagonals): the greatest pull has no bound of
+     *  the surface's own, and forces follow the grid step. */
     HAFT_ASPERITY_FITTED,
 } haft_asperity_model;
 

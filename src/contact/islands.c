@@ -20,7 +20,7 @@ typedef struct islands {
 } islands;
 
 /* Whether it stands for an asperity; a sphere fitted to points needs three of them. */
-static inline bool counts(const islands *all, uint32_t island) {
+static inline bool is_counted(const islands *all, uint32_t island) {
     return !all->fitted || all->count[island] >= 3;
 }
 
@@ -93,7 +93,7 @@ static void add_up(const islands *all, double depth, double *push, double *point
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
         double n = all->count[island];
-        if (counts(all, island)) {
+        if (is_counted(all, island)) {
             sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
             covered += n;
             counted++;
@@ -113,7 +113,7 @@ static void add_spheres(const islands *all, double depth, double step,
     double sum = 0, covered = 0, touching = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
-        if (!counts(all, island)) {
+        if (!is_counted(all, island)) {
             continue;
         }
         double n = all->count[island], base = n * step * step;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the two asperity models share: the patch, its distances, and the scratch. */
+/* What the asperity models share: the patch, its distances, and the scratch. */
 #ifndef HAFT_CONTACT_PATCH_H
 #define HAFT_CONTACT_PATCH_H
 

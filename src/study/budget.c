@@ -98,8 +98,11 @@ static void make_plans(plan p[TERMS], const haft_case *c) {
     p[0] = (plan){"grid step", 0, HAFT_CHANGE_GRID, true, true, "", false};
     halve(&p[0], c->surface.grid_step);
     p[1] = (plan){"asperity model", 0, HAFT_CHANGE_ASPERITIES, false, true, "", false};
-    static const char *const others[] = {"summits to islands", "islands to summits",
-                                         "fitted islands to islands"};
+    static const char *const others[] = {
+        [HAFT_ASPERITY_SUMMITS] = "summits to islands",
+        [HAFT_ASPERITY_ISLANDS] = "islands to summits",
+        [HAFT_ASPERITY_FITTED] = "fitted islands to islands",
+    };
     snprintf(p[1].change, sizeof p[1].change, "%s", others[c->contact.asperities]);
     plan_laws(&p[2], &p[3], &p[4], &p[5], &p[6], c);
     plan_beam(&p[7], &p[8], &p[9], c);

@@ -8,7 +8,7 @@
 /* What can be changed in a case; several at once. */
 enum {
     HAFT_CHANGE_GRID = 1 << 0,       /* half the grid step */
-    HAFT_CHANGE_ASPERITIES = 1 << 1, /* the other model of asperities */
+    HAFT_CHANGE_ASPERITIES = 1 << 1, /* another model of asperities */
     HAFT_CHANGE_TABLE = 1 << 2,      /* the curves themselves for Morse laws */
     HAFT_CHANGE_EXACT = 1 << 3,      /* the stochastic model without expansion */
     HAFT_CHANGE_PATCHES = 1 << 4,    /* independent patches for the stochastic model */

@@ -47,11 +47,14 @@ static void every_choice_runs_whole(void **state) {
     (void)state;
     const edit patches = {"sampler: explicit", "sampler: patches"},
                summits = {"asperities: islands", "asperities: summits"},
+               fitted = {"asperities: islands", "asperities: fitted_islands"},
                table = {"kind: morse", "kind: table"}, exact = {"mesh: uniform", "mesh: exact"};
     const edit variants[][5] = {
-        {patches},        {summits},          {table},
-        {exact},          {patches, summits}, {summits, exact},
-        {table, patches}, {table, exact},     {patches, summits, table, exact},
+        {patches},        {summits},
+        {table},          {fitted},
+        {exact},          {patches, summits},
+        {summits, exact}, {table, patches},
+        {table, exact},   {patches, summits, table, exact},
     };
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
         run_whole(variants[i], HAFT_OUTCOME_STUCK);

@@ -119,7 +119,8 @@ static void curves_do_not_depend_on_where_they_begin(void **state) {
         for (int i = model == HAFT_ASPERITY_SUMMITS ? 4 : 0; i + 10 < LEVELS; i++) {
             check_near(low.distance[i + 10], high.distance[i], 1e-22);
             double scale = fabs(high.force[i]) + 1e3;
-            check_near(low.force[i + 10], high.force[i], 1e-12 * scale);
+            double tolerance = model == HAFT_ASPERITY_FITTED ? 1e-9 : 1e-12; /* radii unbounded */
+            check_near(low.force[i + 10], high.force[i], tolerance * scale);
         }
     }
 }

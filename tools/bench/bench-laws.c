@@ -259,7 +259,9 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
     b->contact.has_vdw = false;
     for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
         bool islands = (c->contact.asperities != HAFT_ASPERITY_SUMMITS) == (k == 1);
-        b->contact.asperities = islands ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
+        b->contact.asperities = k == 1    ? c->contact.asperities
+                                : islands ? HAFT_ASPERITY_ISLANDS
+                                          : HAFT_ASPERITY_SUMMITS;
         double start = now();
         must(haft_contact_curve(b->work, &b->contact, b->z, rows_of(c), columns_of(c),
                                 c->surface.grid_step, &curve, error),
@@ -454,7 +456,9 @@ int main(int count, char **arguments) {
     printf("%s: %zu patches of %zu x %zu points, grid %g nm, kernel tolerance %g, %s\n", c->name,
            sites_of(c), rows_of(c), columns_of(c), 1e9 * c->surface.grid_step,
            c->surface.kernel_tolerance,
-           c->contact.asperities != HAFT_ASPERITY_SUMMITS ? "islands" : "summits");
+           c->contact.asperities == HAFT_ASPERITY_SUMMITS   ? "summits"
+           : c->contact.asperities == HAFT_ASPERITY_ISLANDS ? "islands"
+                                                            : "fitted islands");
     double floor = 0;
     compare_with_floor(c, rounds, &floor);
     break_down(c, floor);

@@ -18,6 +18,6 @@ morse_of() {
     sed -e "s/f_limit_share: .*/f_limit: $3 MPa/" -e 's/kind: table/kind: morse/' -e "${4:-}" \
         -e "s/crack_length: $pressed um/crack_length: $((pressed < 700 ? pressed : 700)) um/" \
         "$1/case.yaml" >"$2/case.yaml"
-    "$bin/bench-weak" "$1" "$3" >"$2/v.csv" 2>"$2/said"
+    "$bin/bench-weak" "$1" "$3" >"$2/v.csv" 2>"$2/said" || { cat "$2/said" >&2; exit 1; }
     "$bin/haft-laws" fit --quiet "$2" "$2/v.csv" >/dev/null
 }
