@@ -52,6 +52,7 @@ static inline void weigh_four(const double *area, size_t i, double by_unit, stre
  * itself a compiler shuffles the lanes of this loop. */
 HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double unit, stretch_state *s,
                                         double *pushed) {
+    _Static_assert(HAFT_LAW_LANES == 8, "lanes are two quads");
     quad energy[2] = {{0}, {0}}, push[2] = {{0}, {0}};
     double by_unit = 1 / unit, sum = 0;
     for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {

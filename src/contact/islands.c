@@ -92,12 +92,13 @@ static void add_up(const islands *all, double depth, double *push, double *point
     double sum = 0, covered = 0, counted = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
         uint32_t island = all->live[k];
-        double n = all->count[island];
-        if (is_counted(all, island)) {
-            sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
-            covered += n;
-            counted++;
+        if (!is_counted(all, island)) {
+            continue;
         }
+        double n = all->count[island];
+        sum += fmax(all->sum[island] - n * depth, 0) / sqrt(n);
+        covered += n;
+        counted++;
     }
     *push = sum;
     *points = covered;

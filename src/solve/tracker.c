@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tracker's small operations: evaluation, rows of sites, lengths over which forces change. */
 #include "tracker.h"
+#include "vectors.h"
 
 #include <math.h>
 #include <string.h>
@@ -108,30 +109,12 @@ HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *gap,
     }
 }
 
-/* The largest of n numbers, 0 if none is positive; what is no number is passed over. */
-HAFT_CLONES static double largest_of(size_t n, const double *x) {
-    double part[HAFT_LAW_LANES] = {0};
-    size_t i = 0;
-    for (; i + HAFT_LAW_LANES <= n; i += HAFT_LAW_LANES) {
-        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
-            part[k] = x[i + k] > part[k] ? x[i + k] : part[k];
-        }
-    }
-    for (size_t k = 0; i < n; i++, k++) {
-        part[k] = x[i] > part[k] ? x[i] : part[k];
-    }
-    for (size_t k = 1; k < HAFT_LAW_LANES; k++) {
-        part[0] = part[k] > part[0] ? part[k] : part[0];
-    }
-    return part[0];
-}
-
 double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
                              size_t *site) {
     double *share = t->site[1];
     size_t first = t->model->inert, sites = t->model->sites;
     measure_moves(t, gap, motion, share);
-    double largest = largest_of(sites - first, share + first);
+    double largest = haft_vectors_largest(sites - first, share + first);
     if (site != NULL && largest > 0) {
         *site = first;
         while (share[*site] != largest) {

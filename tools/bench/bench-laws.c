@@ -257,16 +257,17 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
     haft_curve curve = {b->n, b->distance, b->force, b->contact_area, b->wet_area, b->asperities};
     time_vdw(b, &curve, t, error);
     b->contact.has_vdw = false;
+    haft_asperity_model own = c->contact.asperities;
+    haft_asperity_model other =
+        own == HAFT_ASPERITY_SUMMITS ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
     for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
-        bool islands = (c->contact.asperities != HAFT_ASPERITY_SUMMITS) == (k == 1);
-        b->contact.asperities = k == 1    ? c->contact.asperities
-                                : islands ? HAFT_ASPERITY_ISLANDS
-                                          : HAFT_ASPERITY_SUMMITS;
+        b->contact.asperities = k == 0 ? other : own;
         double start = now();
         must(haft_contact_curve(b->work, &b->contact, b->z, rows_of(c), columns_of(c),
                                 c->surface.grid_step, &curve, error),
              error);
-        *(islands ? &t->islands : &t->summits) += now() - start;
+        bool summits = b->contact.asperities == HAFT_ASPERITY_SUMMITS;
+        *(summits ? &t->summits : &t->islands) += now() - start;
     }
     haft_law_vector vector;
     haft_law law;
