@@ -10,10 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { DEFINITIONS_CAPACITY = 640, ROUGHNESS_CAPACITY = 128 };
+
 typedef struct pen {
     const haft_case *c;
     const char *folder;
-    char definitions[512];
+    char definitions[DEFINITIONS_CAPACITY];
 } pen;
 
 static haft_status draw_each(const pen *p, const char *const *figures, size_t count,
@@ -25,12 +27,22 @@ static haft_status draw_each(const pen *p, const char *const *figures, size_t co
     return status;
 }
 
+/* Of the PSD asked for: deviation of heights [nm], of slopes, of curvatures [1/um]. */
+static void define_roughness(char out[ROUGHNESS_CAPACITY], const haft_case *c) {
+    haft_psd_moments m = haft_case_moments(c);
+    snprintf(out, ROUGHNESS_CAPACITY, "rms=%.9g; slope=%.9g; curvature=%.9g; ", sqrt(m.m0) * 1e9,
+             sqrt(m.m2), sqrt(m.m4) * 1e-6);
+}
+
 static void take_pen(pen *p, const haft_case *c, const char *folder) {
+    char roughness[ROUGHNESS_CAPACITY];
+    define_roughness(roughness, c);
     p->c = c;
     p->folder = folder;
     snprintf(p->definitions, sizeof p->definitions,
-             "paper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g; "
+             "%spaper=%.9g; measured=%.9g; beam_length=%.9g; gap=%.9g; load_position=%.9g; "
              "confidence=%.9g; order=%zu; germ=%d",
+             roughness,
              isfinite(c->reference.paper_crack_length) ? c->reference.paper_crack_length * 1e6 : -1,
              isfinite(c->reference.measured_crack_length) ? c->reference.measured_crack_length * 1e6
                                                           : -1,
@@ -39,8 +51,8 @@ static void take_pen(pen *p, const haft_case *c, const char *folder) {
 }
 
 static haft_status draw_path(const pen *p, haft_error *error) {
-    static const char *const figures[] = {"surface", "laws",     "shapes",     "energy",
-                                          "cracks",  "overview", "convergence"};
+    static const char *const figures[] = {"surface", "psd",    "laws",     "shapes",
+                                          "energy",  "cracks", "overview", "convergence"};
     size_t count = sizeof figures / sizeof *figures;
     count -= p->c->realizations < 3; /* fewer beams converge to nothing */
     return draw_each(p, figures, count, error);
@@ -99,6 +111,22 @@ static const char *axis_unit(const char *unit, double greatest, double *factor) 
     return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
 }
 
+/* The surface that all variants have, unless they differ in it: Figs. 3 and 11. */
+static haft_status draw_shared_surface(const haft_case *c, const char *folder, haft_error *error) {
+    for (size_t k = 0; k < c->sweep.keys; k++) {
+        if (strncmp(c->sweep.key[k], "surface.", strlen("surface.")) == 0) {
+            return HAFT_OK;
+        }
+    }
+    char definitions[ROUGHNESS_CAPACITY];
+    define_roughness(definitions, c);
+    haft_status status = haft_study_write_surface(c, folder, error);
+    if (status == HAFT_OK) {
+        status = draw_script("surface", folder, c->title, definitions, error);
+    }
+    return status == HAFT_OK ? draw_script("psd", folder, c->title, definitions, error) : status;
+}
+
 /* Of a sweep over the humidity: Figs. 4b and 21, and 20 where forces are taken one by one. */
 static haft_status draw_humidity(const haft_case *c, const char *folder, const char *definitions,
                                  haft_error *error) {
@@ -139,6 +167,9 @@ int draw_sweep(const haft_case *c, double greatest, const char *words, const cha
             1.5e27 * c->beam.young_modulus * pow(c->beam.gap, 2) * pow(c->beam.thickness, 3),
             words);
         status = draw_script("sweep", folder, c->title, definitions, &error);
+        if (status == HAFT_OK) {
+            status = draw_shared_surface(c, folder, &error);
+        }
         if (status == HAFT_OK) {
             status = draw_humidity(c, folder, definitions, &error);
         }

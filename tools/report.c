@@ -295,6 +295,9 @@ static void write_figures(page *p, const source *s) {
          "the surfaces pull.",
          ALWAYS},
         {"surface.png", "A piece of the rough surface.", ALWAYS},
+        {"psd.svg",
+         "How rough it is at each wave number: the PSD asked for, and that of a piece of surface.",
+         ALWAYS},
         {"correlation.svg", "What the laws of patches at a distance have in common.", SEAMLESS},
         {"marginals.svg",
          "The numbers of the laws: those drawn from the model against those of the "

@@ -465,6 +465,13 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
 haft_status haft_study_write_water(const haft_case *c, const char *directory,
                                    haft_error *error) HAFT_MUST_CHECK;
 
+/** Writes into DIRECTORY, of the first beam's surface, surface.csv (heights of a square piece) and
+ *  psd.csv: the radial PSD asked for, and that of a piece of 6 um by the beam's width, windowed by
+ *  sin^2, with its standard error over its own value (Figs. 3 and 11 of Hoang et al., 2017).
+ *  Not thread-safe (FFTW planner). */
+haft_status haft_study_write_surface(const haft_case *c, const char *directory,
+                                     haft_error *error) HAFT_MUST_CHECK;
+
 /** Writes summary.csv, one row a realization. */
 haft_status haft_study_write_summary(const haft_summary *summary, size_t n, const char *path,
                                      haft_error *error) HAFT_MUST_CHECK;
@@ -485,11 +492,11 @@ haft_status haft_study_shapes(haft_results_shapes **out, const haft_case *c, con
                               const char *results_path, size_t realization,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes the data of a case's figures as CSV into `directory`, which must exist: surface.csv (a
- *  piece of realization 0's surface), laws.csv (ten of its curves and the laws they became),
- *  vectors.csv (those laws' e, f_max, d_max, d_limit), and of `realization`: shapes.csv (heights in
- *  loading and unloading, those about each phase's greatest jump marked), energy.csv and jumps.csv
- *  (internal energy against crack length, and its jumps). */
+/** Writes the data of a case's figures as CSV into `directory`, which must exist: those of
+ *  haft_study_write_surface(), laws.csv (ten of its curves and the laws they became), vectors.csv
+ * (those laws' e, f_max, d_max, d_limit), and of `realization`: shapes.csv (heights in loading and
+ * unloading, those about each phase's greatest jump marked), energy.csv and jumps.csv (internal
+ * energy against crack length, and its jumps). */
 haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
                                      const char *results_path, size_t realization,
                                      const char *directory, haft_error *error) HAFT_MUST_CHECK;

@@ -7,77 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CURVES = 10, SHAPES = 14, SHAPE_POINTS = 401, MAP_POINTS = 300 };
-
-/* Side of the piece of surface that is shown. */
-#define MAP_SIZE 6e-6
-
-static void fill_map(haft_sheet *t, const double *z, size_t rows, size_t columns, double step) {
-    for (size_t i = 0; i < MAP_POINTS; i++) {
-        for (size_t j = 0; j < MAP_POINTS; j++) {
-            size_t r = i * rows / MAP_POINTS, s = j * rows / MAP_POINTS;
-            double *row = t->value + (i * MAP_POINTS + j) * 3;
-            row[0] = (double)r * step * 1e6;
-            row[1] = (double)s * step * 1e6;
-            row[2] = s < columns ? z[r * columns + s] * 1e9 : NAN;
-        }
-    }
-    t->column[0].name = "x [um]";
-    t->column[1].name = "y [um]";
-    t->column[2].name = "z [nm]";
-}
-
-/* The first rows of realization 0's first block (or, of maps, of its first patch) into *z. */
-static haft_status draw_piece(double **z, size_t rows, size_t columns, const haft_case *c,
-                              haft_error *error) {
-    haft_surface_plan *plan = NULL;
-    haft_surface_work *work = NULL;
-    haft_tiling *tiling = NULL;
-    size_t all = (size_t)llround(c->mesh.l_meso / c->surface.grid_step);
-    *z = haft_memory_alloc((rows > all ? rows : all) * columns, sizeof **z, error);
-    haft_status status = *z == NULL ? HAFT_ERROR_MEMORY : haft_study_tiling(&tiling, c, error);
-    if (tiling != NULL) {
-        haft_tiling_fill(tiling, 0, 0, *z);
-        haft_tiling_destroy(&tiling);
-        return status;
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_surface_plan(&plan, c, haft_study_block_patches(c), error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_surface_work_create(&work, plan, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_surface_prepare(work, 0, 0, 0, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_surface_rows(work, 0, rows, *z, error);
-    }
-    haft_surface_work_destroy(&work);
-    haft_surface_plan_destroy(&plan);
-    return status;
-}
-
-/* A square piece from the corner of realization 0's surface. */
-static haft_status write_surface(const haft_case *c, const char *directory, haft_error *error) {
-    haft_sheet t = {0};
-    double *z = NULL, step = c->surface.grid_step;
-    size_t patches = haft_study_block_patches(c);
-    size_t rows = (size_t)llround((double)patches * c->mesh.l_meso / step);
-    size_t wanted = (size_t)llround(MAP_SIZE / step);
-    size_t columns = (size_t)llround(c->beam.width / step);
-    rows = rows < wanted ? rows : wanted;
-    haft_status status = draw_piece(&z, rows, columns, c, error);
-    if (status == HAFT_OK) {
-        status = haft_sheet_make(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error);
-    }
-    if (status == HAFT_OK) {
-        fill_map(&t, z, rows, columns, step);
-        status = haft_sheet_write(&t, directory, "surface.csv", error);
-    }
-    haft_memory_free(z);
-    return status;
-}
+enum { CURVES = 10, SHAPES = 14, SHAPE_POINTS = 401 };
 
 /* The laws that are shown, and the curves they were made of, NULL where they were not kept. */
 typedef struct shown {
@@ -389,7 +319,7 @@ static haft_status write_path(const haft_case *c, const haft_laws *laws, const c
 haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
                                      const char *results_path, size_t realization,
                                      const char *directory, haft_error *error) {
-    haft_status status = write_surface(c, directory, error);
+    haft_status status = haft_study_write_surface(c, directory, error);
     if (status == HAFT_OK) {
         status = write_laws(c, laws, directory, error);
     }

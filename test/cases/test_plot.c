@@ -2,14 +2,18 @@
 /* The figures of a run: all are drawn where gnuplot is, and what is missing is told. */
 #include "program.h"
 
+#include "haft/study.h"
+
+#include <math.h>
+
 static bool have_gnuplot(void) {
     return system("gnuplot --version > /dev/null 2>&1") == 0;
 }
 
 /* Each is a PNG picture with its end in place and something in it. */
 static void check_pictures(const case_folder *c, bool many, bool one) {
-    static const char *const names[] = {"surface", "laws",     "shapes",     "energy",
-                                        "cracks",  "overview", "convergence"};
+    static const char *const names[] = {"surface", "psd",    "laws",     "shapes",
+                                        "energy",  "cracks", "overview", "convergence"};
     assert_int_equal(exists(c, "out/plots/convergence.png"), many);
     assert_int_equal(exists(c, "out/plots/correlation.png"), !one);
     for (size_t i = 0; i < sizeof names / sizeof *names - !many; i++) {
@@ -22,6 +26,36 @@ static void check_pictures(const case_folder *c, bool many, bool one) {
         assert_memory_equal(picture + size - 8, "IEND", 4);
         free(picture);
     }
+}
+
+/* The PSD asked for is the case's, and the piece's differs from it by the errors told: the mean of
+ * the squares over some tens of rings is 1. */
+static void check_psd(const case_folder *c) {
+    haft_error failure = {0};
+    haft_case *own = NULL;
+    char path[400], *table = read_whole_file(path_in(c, "out/plots/psd.csv", path), NULL);
+    check_ok(haft_case_read(&own, path_in(c, "case.yaml", path), &failure), failure);
+    const haft_psd *psd = &own->surface.psd;
+    double square = 0, zeta, asked, measured, error;
+    int rings = 0, length = 0;
+    char *at = strchr(table, '\n') + 1;
+    for (; sscanf(at, "%lf,%lf,%lf,%lf\n%n", &zeta, &asked, &measured, &error, &length) == 4;
+         at += length) {
+        assert_float_equal(asked, haft_psd_value(psd, zeta * 1e6) * 1e36, 1e-9 * asked);
+        if (isnan(measured)) {
+            assert_float_equal(zeta, psd->zeta_max * 1e-6, 1e-9 * zeta);
+            continue;
+        }
+        square += pow((measured / asked - 1) / error, 2);
+        rings++;
+    }
+    assert_int_equal(*at, '\0');
+    assert_true(rings > 20);
+    print_message("%d rings, mean square of the deviations in errors %.2f\n", rings,
+                  square / rings);
+    assert_true(square / rings > 0.4 && square / rings < 1.8);
+    haft_case_destroy(&own);
+    free(table);
 }
 
 static void a_run_is_drawn(void **state) {
@@ -41,6 +75,7 @@ static void a_run_is_drawn(void **state) {
     assert_string_equal(r.err, "");
     ran_free(&r);
     check_pictures(&c, false, false);
+    check_psd(&c);
     assert_false(exists(&c, "out/plots/hacked"));
     case_remove(&c);
 }
@@ -54,7 +89,7 @@ static void odd_runs_are_drawn_too(void **state) {
     static const edit variants[][3] = {
         {{"thickness: 1 um", "thickness: 10 um"}},
         {{"realizations: 2", "realizations: 1"}, {"kind: morse", "kind: table"}},
-        {{"realizations: 2", "realizations: 3"}},
+        {{"realizations: 2", "realizations: 3"}, {"grid_step: 10 nm", "grid_step: 2.5 nm"}},
         {{"realizations: 2", "realizations: 3"}, {"thickness: 1 um", "thickness: 10 um"}},
     };
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
@@ -64,6 +99,7 @@ static void odd_runs_are_drawn_too(void **state) {
         assert_string_equal(r.err, "");
         ran_free(&r);
         check_pictures(&c, i >= 2, i == 1);
+        check_psd(&c);
         case_remove(&c);
     }
 }

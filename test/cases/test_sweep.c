@@ -302,6 +302,7 @@ static void a_sweep_is_drawn(void **state) {
     must_run(HAFT, ARGS("plot", "--quiet", c.path));
     assert_true(exists(&c, "out/plots/sweep.png"));
     assert_true(exists(&c, "out/plots/sweep.svg"));
+    assert_true(exists(&c, "out/plots/psd.svg"));
     case_remove(&c);
     static const edit kinds[] = {{"asperities:", "# "},
                                  {"study:", "sweep: {contact.asperities: [islands, summits]}\n"
