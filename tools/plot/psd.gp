@@ -7,25 +7,25 @@ stats "psd.csv" using (log10($1)) nooutput name "ZETA"
 stats "psd.csv" using (log10($2)) nooutput name "S"
 
 do for [kind in "png svg"] {
-    eval(open_figure(kind, "psd", 900, 640))
+    eval(open_figure(kind, "psd", 900, 700))
     set title title_text noenhanced
     set lmargin at screen 0.13
     set rmargin at screen 0.96
-    set bmargin at screen 0.15
+    set bmargin at screen 0.25
     set tmargin at screen 0.9
     set logscale xy
     set format x "10^{%L}"
     set format y "10^{%L}"
     set xlabel "wave number (rad/µm)"
     set ylabel "PSD (nm^4)" offset 1, 0
-    # To the decades about them.
+    # To the decades about them, with room for the errors.
     set xrange [10**floor(ZETA_min):10**ceil(ZETA_max)]
-    set yrange [10**floor(S_min):10**ceil(S_max + 0.3)]
-    set key bottom left Left reverse width 2
-    set label 1 sprintf("heights %.3g nm, slopes %.3g, curvatures %.3g/µm (rms)", rms, slope, curvature) \
-        at graph 0.985, 0.95 right
+    set yrange [10**floor(S_min - 0.1):10**ceil(S_max + 0.5)]
+    set key at screen 0.12, 0.11 left top Left reverse
     plot "psd.csv" using 1:3:($3*(1 - ($4 < 0.9 ? $4 : 0.9))):($3*(1 + $4)) with yerrorbars \
              pt 7 ps 0.6*dot lc rgb unloading_colour title "a piece of surface, rings, 1 standard error", \
-         "" using 1:2 with lines lw 2 lc rgb loading_colour title "asked for"
+         "" using 1:2 with lines lw 2 lc rgb loading_colour \
+             title sprintf("asked for: heights %.3g nm, slopes %.3g, curvatures %.3g/µm (rms)", \
+                           rms, slope, curvature)
     set output
 }
