@@ -93,7 +93,7 @@ static void a_run_is_reported(void **state) {
     check_says(page, "doubtful"); /* of 2 beams */
     check_says(page, "seed");
     check_says(page, "grid_step: ");
-    assert_true(count(page, "<svg") == (have("gnuplot") ? 5 : 0));
+    assert_true(count(page, "<svg") == (have("gnuplot") ? 6 : 0));
     free(page);
     case_remove(&c);
 }

@@ -198,6 +198,7 @@ static void a_full_disk_leaves_nothing_half_written(void **state) {
     /* laws that are there already and take no room beside a beam's path */
     case_folder c = case_create(
         (edit[]){{"  sampler: explicit ", "  sampler: gpce\n  chaos: {vectors: 60, order: 3}\n  #"},
+                 {"evidence: [0]", "evidence: [1]"}, /* the second record is the one too large */
                  {NULL, NULL}});
     static const rlim_t limits[] = {600, 20000};
     for (size_t i = 0; i < 2; i++) {
@@ -217,8 +218,8 @@ static void a_full_disk_leaves_nothing_half_written(void **state) {
     const rlim_t tight[] = {(rlim_t)size - 1, (rlim_t)size / 2};
     static const char *const says[] = {"results.h5: cannot be written", "out/parts/part-0-0: "};
     for (size_t i = 0; i < 2; i++) {
-        ran r =
-            end_program(start_program(HAFT, ARGS("run", "--quiet", "--force", c.path), tight[i]));
+        ran r = end_program(start_program(
+            HAFT, ARGS("run", "--quiet", "--force", "--threads", "1", c.path), tight[i]));
         assert_int_equal(r.code, 4);
         check_says(r.err, says[i]);
         check_says(r.err, "File too large");
