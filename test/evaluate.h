@@ -1,10 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A model's energy, gradient and Hessian over laws that have not been laid out. */
+/* A model's energy, gradient and Hessian over laws that have not been laid out. The gradient alone
+ * is the same to the bit. */
 #ifndef HAFT_TEST_EVALUATE_H
 #define HAFT_TEST_EVALUATE_H
 
 #include "check.h"
 #include "haft/beam.h"
+
+#include <stdlib.h>
+
+static inline void check_gradient_alone(const haft_model *model, const haft_law_rows *rows,
+                                        const double *u, double load, const double *gradient) {
+    double *alone = malloc(model->dofs * sizeof *alone);
+    assert_non_null(alone);
+    haft_model_gradient(model, rows, u, load, alone);
+    assert_memory_equal(alone, gradient, model->dofs * sizeof *alone);
+    free(alone);
+}
 
 static inline haft_energy evaluate(const haft_model *model, const haft_law *laws, const double *u,
                                    double load, double *gradient, double *hessian,
@@ -14,6 +26,9 @@ static inline haft_energy evaluate(const haft_model *model, const haft_law *laws
     check_ok(haft_law_rows_create(&rows, model->sites, laws, &error), error);
     haft_energy energy =
         haft_model_evaluate(model, rows, u, load, gradient, hessian, force_scale, NULL, NULL);
+    if (gradient != NULL) {
+        check_gradient_alone(model, rows, u, load, gradient);
+    }
     haft_law_rows_destroy(&rows);
     return energy;
 }

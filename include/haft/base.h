@@ -35,6 +35,14 @@ extern "C" {
 #define HAFT_CLONES /**< nothing, where the choice cannot be made */
 #endif
 
+/** A part of such functions, which goes into each of their clones: left to itself a compiler may
+ *  make it one function, for the plainest processor. */
+#if defined(__GNUC__)
+#define HAFT_INLINE static inline __attribute__((always_inline))
+#else
+#define HAFT_INLINE static inline
+#endif
+
 /** What a fallible function returns; HAFT_OK is 0 and everything else is a failure. */
 typedef enum haft_status {
     HAFT_OK = 0,

@@ -210,6 +210,10 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
                                 double load, double *gradient, double *hessian, double *force_scale,
                                 double *gap, double *site_stiffness);
 
+/** The same gradient alone, the same bits in less time. Thread-safe. */
+void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, const double *u,
+                         double load, double *gradient);
+
 /** y = H x, strain through the deformation modes and contact site by site: where elements are short
  *  the assembled Hessian's own product would lose digits like (length / element)^4. Thread-safe. */
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,

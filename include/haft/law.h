@@ -154,7 +154,8 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
 /** Frees rows and sets the pointer to NULL; NULL is allowed. */
 void haft_law_rows_destroy(haft_law_rows **rows);
 
-/** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. */
+/** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. What is not
+ *  asked for is NULL: the curvature, or all but the force. */
 typedef struct haft_law_values {
     double *force;     /**< [Pa] */
     double *slope;     /**< [Pa/m] */
@@ -168,8 +169,9 @@ typedef struct haft_law_values {
  *  @param[in] first the first of them asked for
  *  @param[in] n how many, first + n at most as many as there are
  *  @param[in] d haft_law_lanes(n) gaps [m]; those from n on may be read and must be finite
- *  @param[out] out those from n on are of no law. Thread-safe. */
-void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+ *  @param[out] out those from n on are of no law
+ *  @return false if all values are known to be nil, as of a free span's. Thread-safe. */
+bool haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             const haft_law_values *out);
 
 /** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the

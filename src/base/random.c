@@ -128,9 +128,8 @@ enum { TOGETHER = 4, WORDS = 4 * TOGETHER };
 
 /* Uniforms number first, first + 1, ... of a stream. Several draws are taken together, round by
  * round: they are independent, and one alone leaves the multiplier idle. */
-static inline __attribute__((always_inline)) void draw_together(haft_random_key key,
-                                                                uint64_t realization, uint64_t site,
-                                                                uint64_t draw, double u[WORDS]) {
+HAFT_INLINE void draw_together(haft_random_key key, uint64_t realization, uint64_t site,
+                               uint64_t draw, double u[WORDS]) {
     philox4x64_key_t philox_key = {{key.seed, key.purpose}};
     philox4x64_ctr_t at[TOGETHER];
     for (uint64_t i = 0; i < TOGETHER; i++) {
@@ -149,10 +148,8 @@ static inline __attribute__((always_inline)) void draw_together(haft_random_key 
     }
 }
 
-static inline __attribute__((always_inline)) void fill_uniforms(haft_random_key key,
-                                                                uint64_t realization, uint64_t site,
-                                                                uint64_t first, size_t n,
-                                                                double *u) {
+HAFT_INLINE void fill_uniforms(haft_random_key key, uint64_t realization, uint64_t site,
+                               uint64_t first, size_t n, double *u) {
     double batch[WORDS];
     size_t skip = first % 4;
     for (size_t j = 0; j < n; skip = 0) {
@@ -165,8 +162,7 @@ static inline __attribute__((always_inline)) void fill_uniforms(haft_random_key 
 
 /* haft_random_normal_quantile() in passes that compilers vectorise: the middle's rational for all,
  * then the near tail's for those outside the middle, then the rare far tail. */
-static inline __attribute__((always_inline)) void fill_quantiles(const double *restrict u, size_t n,
-                                                                 double *restrict z) {
+HAFT_INLINE void fill_quantiles(const double *restrict u, size_t n, double *restrict z) {
     unsigned short tail[BATCH];
     double r[BATCH], near[BATCH];
     size_t tails = 0;
@@ -194,10 +190,8 @@ static inline __attribute__((always_inline)) void fill_quantiles(const double *r
     }
 }
 
-static inline __attribute__((always_inline)) void fill_normals(haft_random_key key,
-                                                               uint64_t realization, uint64_t site,
-                                                               uint64_t first, size_t n,
-                                                               double *z) {
+HAFT_INLINE void fill_normals(haft_random_key key, uint64_t realization, uint64_t site,
+                              uint64_t first, size_t n, double *z) {
     double u[BATCH];
     for (size_t start = 0; start < n; start += BATCH) {
         size_t count = n - start < BATCH ? n - start : BATCH;

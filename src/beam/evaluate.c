@@ -23,17 +23,15 @@ static void add_load(const haft_site *site, double factor, double *gradient, dou
 /* What the sites of one stretch give at their gaps d. */
 typedef struct stretch_state {
     double d[HAFT_STRETCH_ROOM], force[HAFT_STRETCH_ROOM], slope[HAFT_STRETCH_ROOM];
-    double curvature[HAFT_STRETCH_ROOM], potential[HAFT_STRETCH_ROOM];
+    double potential[HAFT_STRETCH_ROOM];
 } stretch_state;
 
-static void evaluate_stretch(const haft_model *model, const haft_stretch *s,
+/* @return false if there is nothing, all nil */
+static bool evaluate_stretch(const haft_model *model, const haft_stretch *s,
                              const haft_law_rows *laws, const double *u, stretch_state *out) {
-    haft_stretch_displacements(model, s, u, out->d);
-    for (size_t i = 0; i < s->sites + HAFT_LAW_LANES; i++) {
-        out->d[i] = model->gap - out->d[i];
-    }
-    haft_law_values values = {out->force, out->slope, out->curvature, out->potential};
-    haft_law_rows_evaluate(laws, s->first, s->sites, out->d, &values);
+    haft_stretch_gaps(model, s, u, out->d);
+    haft_law_values values = {out->force, out->slope, NULL, out->potential};
+    return haft_law_rows_evaluate(laws, s->first, s->sites, out->d, &values);
 }
 
 /* Energy [J] of four sites from i on, and what rounding makes of it; forces and stiffnesses in
@@ -89,9 +87,15 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
     stretch_state state;
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
-        evaluate_stretch(model, s, laws, u, &state);
+        bool felt = evaluate_stretch(model, s, laws, u, &state);
         if (gap != NULL) {
             memcpy(gap + s->first, state.d, s->sites * sizeof *gap);
+        }
+        if (!felt) {
+            if (site_stiffness != NULL) {
+                memset(site_stiffness + s->first, 0, s->sites * sizeof *site_stiffness);
+            }
+            continue;
         }
         energy += weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit,
                                 &state, &pushed);
@@ -132,6 +136,33 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
         *force_scale = largest;
     }
     return energy;
+}
+
+/* Pushes into forces, in units of energy. */
+HAFT_CLONES static void weigh_forces(const double *area, size_t n, double unit, double *force) {
+    double by_unit = 1 / unit;
+    for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
+        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+            force[i + k] *= area[i + k] * by_unit;
+        }
+    }
+}
+
+void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, const double *u,
+                         double load, double *gradient) {
+    double largest = 0, d[HAFT_STRETCH_ROOM], force[HAFT_STRETCH_ROOM];
+    const haft_law_values values = {.force = force};
+    memset(gradient, 0, model->dofs * sizeof *gradient);
+    haft_strain(model, u, gradient, NULL, NULL);
+    for (size_t n = 0; n < model->stretches; n++) {
+        const haft_stretch *s = &model->layout->stretch[n];
+        haft_stretch_gaps(model, s, u, d);
+        if (haft_law_rows_evaluate(laws, s->first, s->sites, d, &values)) {
+            weigh_forces(model->layout->area + s->first, s->sites, model->energy_unit, force);
+            haft_stretch_assemble(model, s, force, force, gradient, NULL);
+        }
+    }
+    add_load(&model->load, -load / model->energy_unit, gradient, &largest);
 }
 
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,

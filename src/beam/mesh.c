@@ -117,13 +117,18 @@ static void element_dofs(size_t e, int dof[HAFT_SPAN]) {
     }
 }
 
-/* A point of the beam as a row on its element's unknowns, in metres a unit of each. */
-static haft_site make_point(const double *node_x, size_t nodes, const double *node_scale, double x,
-                            double gap) {
-    haft_site site = {.x = x};
-    double xi;
-    size_t e = find_element(node_x, nodes, x, &xi);
-    double l = node_x[e + 1] - node_x[e];
+/* The same of site r on a uniform mesh, where it is a whole number of half patches from the clamp:
+ * sites in the same place of their elements are so to the bit. */
+static size_t find_uniform_element(size_t elements, size_t sites, size_t r, double *xi) {
+    size_t halves = (2 * r + 1) * elements,
+           element = 2 * sites; /* in 1 / element of a half patch */
+    *xi = (double)(halves % element) / (double)element;
+    return halves / element;
+}
+
+/* The point at xi in element e of length l, as a row on its unknowns, in metres a unit of each. */
+static haft_site make_point(size_t e, double xi, double l, const double *node_scale, double gap) {
+    haft_site site = {0};
     element_dofs(e, site.dof);
     double xi2 = xi * xi, xi3 = xi2 * xi;
     site.shape[0] = gap * (1 - 3 * xi2 + 2 * xi3);
@@ -201,6 +206,28 @@ static void scale_nodes(beam_parts *parts, size_t nodes, double pitch, double ga
     }
 }
 
+static haft_site make_site(const beam_parts *parts, const haft_beam_spec *beam, bool uniform,
+                           size_t nodes, size_t sites, size_t r, double pitch) {
+    double x = site_position(beam->length, sites, r), xi;
+    size_t e = uniform ? find_uniform_element(nodes - 1, sites, r, &xi)
+                       : find_element(parts->x, nodes, x, &xi);
+    double l = element_length(parts->x, e, pitch);
+    haft_site site = make_point(e, xi, l, parts->node_scale, beam->gap);
+    site.x = x;
+    site.area = beam->width * beam->length / (double)sites;
+    return site;
+}
+
+static haft_site make_load(const beam_parts *parts, const haft_beam_spec *beam, size_t nodes,
+                           double x, double pitch) {
+    double xi;
+    size_t e = find_element(parts->x, nodes, x, &xi);
+    double l = element_length(parts->x, e, pitch);
+    haft_site site = make_point(e, xi, l, parts->node_scale, beam->gap);
+    site.x = x;
+    return site;
+}
+
 static haft_status build(haft_model **out, const haft_beam_spec *beam, const haft_mesh_spec *mesh,
                          size_t sites, size_t nodes, beam_parts *parts, haft_error *error) {
     haft_status status = allocate_parts(parts, nodes, sites, error);
@@ -215,9 +242,7 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
         parts->element[e] = make_element(parts->node_length, e, length, beam->length);
     }
     for (size_t r = 0; r < sites; r++) {
-        double x = site_position(beam->length, sites, r);
-        parts->site[r] = make_point(parts->x, nodes, parts->node_scale, x, beam->gap);
-        parts->site[r].area = beam->width * beam->length / (double)sites;
+        parts->site[r] = make_site(parts, beam, uniform, nodes, sites, r, pitch);
     }
     double l = beam->length;
     haft_model_parts assembled = {
@@ -230,7 +255,7 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
         .sites = sites,
         .inert = haft_mesh_inert_sites(beam, mesh),
         .site = parts->site,
-        .load = make_point(parts->x, nodes, parts->node_scale, mesh->load_position, beam->gap),
+        .load = make_load(parts, beam, nodes, mesh->load_position, pitch),
     };
     status = haft_model_create(out, &assembled, error);
     if (status == HAFT_OK) {

@@ -33,7 +33,7 @@ static size_t find_runs(haft_layout *layout, const haft_model *model) {
             for (int k = 1; k < HAFT_SPAN; k++) {
                 whole = whole && site->dof[k] == site->dof[0] + k;
             }
-            layout->run[layout->runs++] = (haft_run){r, 0, site->terms != 1, whole};
+            layout->run[layout->runs++] = (haft_run){r, 0, r, site->terms != 1, whole};
             s->runs++;
         }
         layout->run[layout->runs - 1].sites++;
@@ -42,12 +42,40 @@ static size_t find_runs(haft_layout *layout, const haft_model *model) {
     return stretches;
 }
 
+/* Whether n sites from b on are shaped as those from a on. */
+static bool same_shapes(const haft_site *a, const haft_site *b, size_t n) {
+    for (size_t i = 0; i < n; i++) {
+        if (memcmp(a[i].shape, b[i].shape, sizeof a->shape) != 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Has runs across whole elements read the entries of the first element that they are alike. */
+static void find_alike(haft_layout *layout, const haft_model *model) {
+    size_t n = 0;
+    while (n < layout->runs && !layout->run[n].whole) {
+        n++;
+    }
+    size_t first = n < layout->runs ? layout->run[n].first : 0, end = first + HAFT_STRETCH;
+    for (; n < layout->runs; n++) {
+        haft_run *run = &layout->run[n];
+        for (size_t r = first; run->whole && r < end && r < run->first; r++) {
+            if (same_shapes(&model->site[r], &model->site[run->first], run->sites)) {
+                run->alike = r;
+                break;
+            }
+        }
+    }
+}
+
 /* Inert sites that share their unknowns, after the other sites' runs. */
 static void find_idle_runs(haft_layout *layout, const haft_model *model) {
     haft_run *run = layout->run + layout->runs;
     for (size_t r = 0; r < model->inert; r++) {
         if (r == 0 || !continues(model, &run[layout->idle - 1], r)) {
-            run[layout->idle++] = (haft_run){r, 0, true, false};
+            run[layout->idle++] = (haft_run){r, 0, r, true, false};
         }
         run[layout->idle - 1].sites++;
     }
@@ -97,6 +125,7 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
         return HAFT_ERROR_MEMORY;
     }
     *stretches = find_runs(layout, model);
+    find_alike(layout, model);
     find_idle_runs(layout, model);
     layout->element_runs = haft_strain_find_runs(model, layout->element_run);
     fill(layout, model);
@@ -130,45 +159,57 @@ static inline void read_unknowns(const haft_model *model, const haft_run *run, c
     }
 }
 
-/* w of a run's sites, in whole lanes: what runs over its end is the next run's to write. */
-static inline void shared_displacements(const haft_layout *layout, const haft_run *run,
-                                        const double v[HAFT_SPAN], double *restrict w) {
+/* w of a run's sites, or their gaps that it leaves of `gap`, in whole lanes: what runs over its end
+ * is the next run's to write. */
+HAFT_INLINE void displace_shared(const haft_layout *layout, const haft_run *run,
+                                 const double v[HAFT_SPAN], const double *gap,
+                                 double *restrict out) {
     for (size_t i = 0; i < run->sites; i += LANES) {
-        const double *shape = layout->shape + run->first + i;
+        const double *shape = layout->shape + run->alike + i;
         for (size_t k = 0; k < LANES; k++) {
-            w[i + k] = ((v[0] * shape[k] + v[1] * shape[layout->stride + k]) +
+            double w = ((v[0] * shape[k] + v[1] * shape[layout->stride + k]) +
                         v[2] * shape[2 * layout->stride + k]) +
                        v[3] * shape[3 * layout->stride + k];
+            out[i + k] = gap != NULL ? *gap - w : w;
         }
     }
 }
 
-HAFT_CLONES static void displace(const haft_model *model, const haft_stretch *s, const double *u,
-                                 double *w) {
+HAFT_INLINE void displace(const haft_model *model, const haft_stretch *s, const double *u,
+                          const double *gap, double *out) {
     const haft_layout *layout = model->layout;
     for (size_t n = 0; n < s->runs; n++) {
         const haft_run *run = &layout->run[s->first_run + n];
-        double *to = w + (run->first - s->first);
+        double *to = out + (run->first - s->first);
         const int *dof = layout->dof + run->first;
         if (run->whole) {
-            shared_displacements(layout, run, u + dof[0], to);
+            displace_shared(layout, run, u + dof[0], gap, to);
         } else if (run->shared) {
             double v[HAFT_SPAN];
             read_unknowns(model, run, u, v);
-            shared_displacements(layout, run, v, to);
+            displace_shared(layout, run, v, gap, to);
         } else {
             const double *shape = layout->shape + run->first;
             for (size_t i = 0; i < run->sites; i++) {
-                to[i] = shape[i] * u[dof[i]];
+                double w = shape[i] * u[dof[i]];
+                to[i] = gap != NULL ? *gap - w : w;
             }
         }
     }
+    for (size_t k = 0; k < LANES; k++) {
+        out[s->sites + k] = gap != NULL ? *gap : 0;
+    }
 }
 
-void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
-                                double *w) {
-    displace(model, s, v, w);
-    memset(w + s->sites, 0, LANES * sizeof *w);
+HAFT_CLONES void haft_stretch_displacements(const haft_model *model, const haft_stretch *s,
+                                            const double *v, double *w) {
+    displace(model, s, v, NULL, w);
+}
+
+HAFT_CLONES void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u,
+                                   double *d) {
+    double gap = model->gap;
+    displace(model, s, u, &gap, d);
 }
 
 /* How many of a run's sites, from the first on, stay farther than `reach` from the substrate. */
@@ -178,8 +219,8 @@ HAFT_CLONES static size_t count_clear(const haft_model *model, const haft_run *r
     read_unknowns(model, run, u, v);
     for (size_t first = 0; first < run->sites; first += HAFT_STRETCH) {
         size_t left = run->sites - first, sites = left < HAFT_STRETCH ? left : HAFT_STRETCH;
-        haft_run part = {run->first + first, sites, true, false};
-        shared_displacements(model->layout, &part, v, w);
+        haft_run part = {run->first + first, sites, run->alike + first, true, false};
+        displace_shared(model->layout, &part, v, NULL, w);
         size_t clear = 0;
         for (size_t i = 0; i < sites; i++) {
             clear += model->gap - w[i] > reach[part.first + i];
@@ -221,10 +262,9 @@ static void scatter_nodes(const haft_layout *layout, const haft_run *run, const 
 
 /* to[4] += q, by halves: neighbouring elements share two unknowns, and a processor reads back at
  * once what it has just written only if that was written in one piece. */
-static inline void add_quad(double *to, const quad *q) {
-    const pair *half = (const pair *)q;
-    *(pair *)to += half[0];
-    *(pair *)(to + 2) += half[1];
+static inline void add_quad(double *to, quad q) {
+    *(pair *)to += __builtin_shufflevector(q, q, 0, 1);
+    *(pair *)(to + 2) += __builtin_shufflevector(q, q, 2, 3);
 }
 
 /* Forces that a run of sites gives its four unknowns. */
@@ -255,10 +295,10 @@ static inline void sum_shares(const double *share, size_t sites, const double *f
 static inline void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
                                  const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
     if (gradient != NULL) {
-        add_quad(gradient + layout->dof[r], &sum[0]);
+        add_quad(gradient + layout->dof[r], sum[0]);
     }
     for (int j = 0; j < HAFT_SPAN && hessian != NULL; j++) {
-        add_quad(hessian + slot[j], &sum[1 + j]); /* from row 0 of column j on */
+        add_quad(hessian + slot[j], sum[1 + j]); /* from row 0 of column j on */
     }
 }
 
@@ -295,7 +335,7 @@ HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stret
         } else if (any(f, k, run->sites)) {
             quad sum[HAFT_COLUMNS];
             const int *slot = model->site_slot + run->first * ENTRIES;
-            const double *share = layout->share + run->first * HAFT_SHARES;
+            const double *share = layout->share + run->alike * HAFT_SHARES;
             if (hessian == NULL) {
                 sum_forces(share, run->sites, f, sum);
             } else {

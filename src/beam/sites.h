@@ -28,6 +28,8 @@ typedef struct haft_stretch {
 /* Neighbouring sites of a stretch that share their unknowns, or that have one unknown each. */
 typedef struct haft_run {
     size_t first, sites;
+    size_t alike; /* the first of as many sites of the same shapes, whose entries all such runs
+                     read: they stay in the nearest cache */
     bool shared;
     bool whole; /* four unknowns in a row, so that each one's entries lie side by side */
 } haft_run;
@@ -68,6 +70,9 @@ double haft_strain(const haft_model *model, const double *u, double *gradient, d
  * meaning, but finite where v is. */
 void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
                                 double *w);
+
+/* The same of their gaps under u. */
+void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u, double *d);
 
 /* Forces [1/m] along, and stiffnesses [1/m^2] against, the displacements of a stretch's sites, in
  * units of energy, into the sums; either sum may be NULL. */

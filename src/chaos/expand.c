@@ -7,14 +7,12 @@
 
 #include "chaos/model.h"
 
-#define INLINE static inline __attribute__((always_inline))
-
 enum { LANES = CHAOS_TOGETHER, ROWS = HAFT_CHAOS_ORDER_LIMIT + 1 };
 
 typedef double lanes[LANES];
 typedef lanes table[ROWS]; /* polynomials of one variable */
 
-INLINE const double *sum_1(const double *c, const table *psi, size_t order, lanes out) {
+HAFT_INLINE const double *sum_1(const double *c, const table *psi, size_t order, lanes out) {
     lanes sum = {0};
     for (size_t a = 0; a <= order; a++) {
         for (size_t l = 0; l < LANES; l++) {
@@ -27,7 +25,7 @@ INLINE const double *sum_1(const double *c, const table *psi, size_t order, lane
 
 /* One more variable in front of those of `inner`. */
 #define NEST(name, inner)                                                                          \
-    INLINE const double *name(const double *c, const table *psi, size_t order, lanes out) {        \
+    HAFT_INLINE const double *name(const double *c, const table *psi, size_t order, lanes out) {   \
         lanes sum = {0}, part;                                                                     \
         for (size_t a = 0; a <= order; a++) {                                                      \
             c = inner(c, psi + 1, order - a, part);                                                \
@@ -43,7 +41,7 @@ NEST(sum_2, sum_1)
 NEST(sum_3, sum_2)
 NEST(sum_4, sum_3)
 
-INLINE void fill(const chaos_recurrence *r, size_t order, const lanes x, table psi) {
+HAFT_INLINE void fill(const chaos_recurrence *r, size_t order, const lanes x, table psi) {
     for (size_t l = 0; l < LANES; l++) {
         psi[0][l] = 1;
     }
@@ -56,7 +54,7 @@ INLINE void fill(const chaos_recurrence *r, size_t order, const lanes x, table p
     }
 }
 
-INLINE void expand(const haft_chaos *chaos, const lanes *x, lanes *out) {
+HAFT_INLINE void expand(const haft_chaos *chaos, const lanes *x, lanes *out) {
     table psi[HAFT_CHAOS_DIMENSION];
     size_t order = chaos->parts.order;
     for (size_t i = 0; i < chaos->parts.components; i++) {

@@ -9,11 +9,11 @@
  * version does the same operations and so gives the same bits. */
 #include "chaos/normal.h"
 
+#include "haft/base.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-
-#define INLINE static inline __attribute__((always_inline))
 
 enum { BLOCK = 128 };
 
@@ -21,7 +21,7 @@ enum { BLOCK = 128 };
 #define FARTHEST 37.5
 #define INVERSE_ROOT_2PI 0.39894228040143267794
 
-INLINE double exponential(double x) {
+HAFT_INLINE double exponential(double x) {
     const double shift = 0x1.8p52; /* adding it leaves the nearest integer in the low bits */
     double scaled = x * 1.44269504088896340736 + shift;
     double n = scaled - shift;
@@ -43,7 +43,7 @@ INLINE double exponential(double x) {
 
 /* (a + 5.5) R(a) at i = 1/(a + 5.5). Even and odd powers apart: two chains keep the machine busier
  * than one. */
-INLINE double scaled_tail(double i) {
+HAFT_INLINE double scaled_tail(double i) {
     double s = 1.2820512820512820513 - 12.551282051282051282 * i, t = s * s;
     double even =
         0.86738408682608705544 +
@@ -70,26 +70,26 @@ INLINE double scaled_tail(double i) {
     return even + s * odd;
 }
 
-INLINE double clamp(double t) {
+HAFT_INLINE double clamp(double t) {
     double a = fabs(t);
     return a < FARTHEST ? a : FARTHEST;
 }
 
 /* Phi(t), a being |t| clamped, and exp(-a^2/2). */
-INLINE double distribution(double t, double a, double *density) {
+HAFT_INLINE double distribution(double t, double a, double *density) {
     double e = exponential(-0.5 * a * a), i = 1 / (a + 5.5);
     double q = e * (i * scaled_tail(i));
     *density = e;
     return (0.5 + copysign(0.5, t)) - copysign(q, t); /* q or 1 - q, without a branch */
 }
 
-INLINE double fold(const double lane[CHAOS_LANES]) {
+HAFT_INLINE double fold(const double lane[CHAOS_LANES]) {
     return ((lane[0] + lane[4]) + (lane[2] + lane[6])) +
            ((lane[1] + lane[5]) + (lane[3] + lane[7]));
 }
 
-INLINE chaos_sums add_up(size_t n, const double *restrict c, const double *restrict w, double x,
-                         double scale) {
+HAFT_INLINE chaos_sums add_up(size_t n, const double *restrict c, const double *restrict w,
+                              double x, double scale) {
     double t[BLOCK], a[BLOCK], p[BLOCK], e[BLOCK];
     double cdf[CHAOS_LANES] = {0}, pdf[CHAOS_LANES] = {0}, moment[CHAOS_LANES] = {0};
     for (size_t start = 0; start < n; start += BLOCK) {
@@ -114,7 +114,7 @@ INLINE chaos_sums add_up(size_t n, const double *restrict c, const double *restr
     return (chaos_sums){fold(cdf), fold(pdf) * INVERSE_ROOT_2PI, fold(moment) * INVERSE_ROOT_2PI};
 }
 
-INLINE void exponentials(size_t n, const double *x, double *y) {
+HAFT_INLINE void exponentials(size_t n, const double *x, double *y) {
     for (size_t k = 0; k < n; k++) {
         y[k] = exponential(x[k]);
     }

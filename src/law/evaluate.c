@@ -6,8 +6,9 @@
 #include "law/wings.h"
 
 haft_law_value haft_law_evaluate(const haft_law *law, double d) {
-    return law->kind == HAFT_LAW_MORSE ? haft_law_wings_evaluate(haft_law_wings(law), d)
-                                       : haft_law_table_evaluate(law->table, d);
+    return law->kind == HAFT_LAW_MORSE
+               ? haft_law_wings_evaluate(haft_law_wings(law), d, haft_law_wings_bounds(), true)
+               : haft_law_table_evaluate(law->table, d);
 }
 
 double haft_law_reach(const haft_law *law, double share) {

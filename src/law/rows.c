@@ -11,9 +11,10 @@ enum { LANES = HAFT_LAW_LANES, COLUMNS = 10 };
 
 struct haft_law_rows {
     size_t laws, stride;
-    double *value;          /* COLUMNS rows of the wings' numbers, stride each */
-    size_t tables;          /* how many there are */
-    haft_table_head *table; /* laws: nil where not one */
+    haft_wings_bounds bounds; /* kept here, so that no compiler reckons with their values */
+    double *value;            /* COLUMNS rows of the wings' numbers, stride each */
+    size_t tables;            /* how many there are */
+    haft_table_head *table;   /* laws: nil where not one */
 };
 
 static void put(haft_law_rows *rows, size_t i, haft_wings w) {
@@ -33,6 +34,7 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
         return HAFT_ERROR_MEMORY;
     }
     rows->laws = n;
+    rows->bounds = haft_law_wings_bounds();
     rows->stride = haft_law_lanes(n);
     rows->value = haft_memory_alloc(COLUMNS * rows->stride, sizeof *rows->value, error);
     rows->table = haft_memory_alloc(n, sizeof *rows->table, error);
@@ -76,10 +78,14 @@ static inline bool all_nil(const double *v, size_t stride, const double *d) {
     return i == 0;
 }
 
+/* Which values are asked for. */
+typedef enum asked { FORCE, NO_CURVATURE, ALL } asked;
+
 /* LANES laws, the first's numbers at v. */
-static inline void evaluate_lanes(const double *v, size_t stride, const double *d,
-                                  double *restrict force, double *restrict slope,
-                                  double *restrict curvature, double *restrict potential) {
+HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bounds bounds,
+                                bool walls, asked what, const double *d, double *restrict force,
+                                double *restrict slope, double *restrict curvature,
+                                double *restrict potential) {
     for (size_t i = 0; i < LANES; i++) {
         haft_wings w = {v[i],
                         v[stride + i],
@@ -91,42 +97,99 @@ static inline void evaluate_lanes(const double *v, size_t stride, const double *
                         v[7 * stride + i],
                         v[8 * stride + i],
                         v[9 * stride + i]};
-        haft_law_value x = haft_law_wings_evaluate(w, d[i]);
+        haft_law_value x = haft_law_wings_evaluate(w, d[i], bounds, walls);
         force[i] = x.force;
-        slope[i] = x.slope;
-        curvature[i] = x.curvature;
-        potential[i] = x.potential;
+        if (what != FORCE) {
+            slope[i] = x.slope;
+            potential[i] = x.potential;
+        }
+        if (what == ALL) {
+            curvature[i] = x.curvature;
+        }
     }
 }
 
-static inline void set_nil(const haft_law_values *out, size_t i) {
-    memset(out->force + i, 0, LANES * sizeof(double));
-    memset(out->slope + i, 0, LANES * sizeof(double));
-    memset(out->curvature + i, 0, LANES * sizeof(double));
-    memset(out->potential + i, 0, LANES * sizeof(double));
+/* Four numbers, and what comparing them gives: all bits or none. */
+typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int64_t quad_bits __attribute__((vector_size(32)));
+
+/* Whether any of LANES gaps lies behind its law's wall, which nearly none does: most are spared the
+ * walls. By hand, since compilers see no vector in it. */
+HAFT_INLINE bool any_behind_wall(const double *v, size_t stride, const double *d) {
+    _Static_assert(LANES == 8, "lanes are two quads");
+    const quad *gap = (const quad *)d, *wall = (const quad *)(v + 6 * stride);
+    const quad_bits first = gap[0] < wall[0], second = gap[1] < wall[1], any = first | second;
+    return (any[0] | any[1] | any[2] | any[3]) != 0;
 }
 
-HAFT_CLONES static void evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
-                                       const double *d, const haft_law_values *out) {
+/* The values of LANES laws from law i on, to where those go. */
+HAFT_INLINE void evaluate_from(const haft_law_rows *rows, const double *v, bool walls, asked what,
+                               const double *d, const haft_law_values *out, size_t i) {
+    evaluate_lanes(v, rows->stride, rows->bounds, walls, what, d + i, out->force + i,
+                   what != FORCE ? out->slope + i : NULL, what == ALL ? out->curvature + i : NULL,
+                   what != FORCE ? out->potential + i : NULL);
+}
+
+static inline void set_nil(asked what, const haft_law_values *out, size_t i) {
+    memset(out->force + i, 0, LANES * sizeof(double));
+    if (what != FORCE) {
+        memset(out->slope + i, 0, LANES * sizeof(double));
+        memset(out->potential + i, 0, LANES * sizeof(double));
+    }
+    if (what == ALL) {
+        memset(out->curvature + i, 0, LANES * sizeof(double));
+    }
+}
+
+HAFT_INLINE bool evaluate_asked(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                                asked what, const haft_law_values *out) {
+    bool felt = false;
     for (size_t i = 0; i < n; i += LANES) {
         const double *v = rows->value + first + i;
         if (all_nil(v, rows->stride, d + i)) {
-            set_nil(out, i);
+            set_nil(what, out, i);
             continue;
         }
-        evaluate_lanes(v, rows->stride, d + i, out->force + i, out->slope + i, out->curvature + i,
-                       out->potential + i);
+        felt = true;
+        if (any_behind_wall(v, rows->stride, d + i)) {
+            evaluate_from(rows, v, true, what, d, out, i);
+        } else {
+            evaluate_from(rows, v, false, what, d, out, i);
+        }
     }
+    return felt;
 }
 
-void haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+HAFT_CLONES static bool evaluate_forces(const haft_law_rows *rows, size_t first, size_t n,
+                                        const double *d, const haft_law_values *out) {
+    return evaluate_asked(rows, first, n, d, FORCE, out);
+}
+
+HAFT_CLONES static bool evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
+                                       const double *d, const haft_law_values *out) {
+    return evaluate_asked(rows, first, n, d, NO_CURVATURE, out);
+}
+
+HAFT_CLONES static bool evaluate_all(const haft_law_rows *rows, size_t first, size_t n,
+                                     const double *d, const haft_law_values *out) {
+    return evaluate_asked(rows, first, n, d, ALL, out);
+}
+
+bool haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             const haft_law_values *out) {
-    if (rows->tables < rows->laws) {
-        evaluate_wings(rows, first, n, d, out);
-    } else if (n > 0) {
-        set_nil(out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
+    asked what = out->slope == NULL ? FORCE : out->curvature == NULL ? NO_CURVATURE : ALL;
+    bool felt = rows->tables > 0;
+    if (rows->tables == rows->laws && n > 0) {
+        set_nil(what, out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
+    } else if (what == FORCE) {
+        felt |= evaluate_forces(rows, first, n, d, out);
+    } else if (what == NO_CURVATURE) {
+        felt |= evaluate_wings(rows, first, n, d, out);
+    } else {
+        felt |= evaluate_all(rows, first, n, d, out);
     }
     if (rows->tables > 0) {
         haft_law_tables_evaluate(rows->table + first, n, d, out);
     }
+    return felt;
 }

@@ -225,8 +225,11 @@ static void evaluate_some(const haft_table_head *head, size_t n, const double *d
     for (size_t i = 0; i < n; i++) {
         put_cubic(&cubic, i, head[i], guess[i], d[i]);
     }
-    evaluate_cubics(&cubic, n, out->force + first, out->slope + first, out->curvature + first,
-                    out->potential + first);
+    double spare[3][AHEAD]; /* for what is not asked for */
+    evaluate_cubics(&cubic, n, out->force + first,
+                    out->slope != NULL ? out->slope + first : spare[0],
+                    out->curvature != NULL ? out->curvature + first : spare[1],
+                    out->potential != NULL ? out->potential + first : spare[2]);
 }
 
 void haft_law_tables_evaluate(const haft_table_head *head, size_t n, const double *d,

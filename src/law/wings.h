@@ -17,6 +17,16 @@ typedef struct haft_wings {
     double wall_distance, wall_force, wall_slope, wall_potential;
 } haft_wings;
 
+/* Between which the exponent is kept: what lies beyond is nil, or behind a wall. Given from
+ * outside, it costs two operations; of numbers that it knows a compiler makes ten. */
+typedef struct haft_wings_bounds {
+    double least, most;
+} haft_wings_bounds;
+
+static inline haft_wings_bounds haft_law_wings_bounds(void) {
+    return (haft_wings_bounds){-HAFT_LAW_NIL, 700};
+}
+
 static inline haft_wings haft_law_wings(const haft_law *law) {
     return (haft_wings){law->f_max,
                         law->d_max,
@@ -30,34 +40,37 @@ static inline haft_wings haft_law_wings(const haft_law *law) {
                         law->wall_potential};
 }
 
-/* With E = exp(-a (d - d_max)) the right wing's potential is f_max E (E/2 - 2) / a; the left one's
- * above that of the bottom f_max (E - 1) (E - 3) / (2 a), the bottom's -1.5 f_max / a_right. */
-static inline haft_law_value haft_law_wings_evaluate(haft_wings w, double d) {
+/* Without `walls`, d must not be behind the law's. With E = exp(-a (d - d_max)) the right wing's
+ * potential is f_max E (E/2 - 2) / a; the left one's above that of the bottom f_max (E - 1) (E - 3)
+ * / (2 a), the bottom's -1.5 f_max / a_right. */
+static inline haft_law_value haft_law_wings_evaluate(haft_wings w, double d,
+                                                     haft_wings_bounds bounds, bool walls) {
     double y = d - w.d_max, t = d - w.wall_distance;
     double a = y >= 0 ? w.a_right : w.a_left;
     double x = -a * y;
-    x = x < -HAFT_LAW_NIL ? -HAFT_LAW_NIL : x;
-    x = x > 700 ? 700 : x;
+    x = x < bounds.least ? bounds.least : x;
+    x = x > bounds.most ? bounds.most : x;
     double E = haft_law_exponential(x), F = w.f_max;
     double left = (E - 1) * (E - 3) * w.half_left - 1.5 * w.length_right;
     double right = E * (0.5 * E - 2) * w.length_right;
     double force = F * E * (E - 2), slope = -2 * a * F * E * (E - 1);
     double curvature = 2 * a * a * F * E * (2 * E - 1);
     double potential = F * (y >= 0 ? right : left);
+    bool behind = walls && t < 0;
     double wall_force = w.wall_force + w.wall_slope * t;
     double wall_potential = w.wall_potential - t * (w.wall_force + 0.5 * w.wall_slope * t);
     bool nil = w.a_right * y > HAFT_LAW_NIL;
     return (haft_law_value){
-        .force = t < 0 ? wall_force
-                 : nil ? 0
-                       : force,
-        .slope = t < 0 ? w.wall_slope
-                 : nil ? 0
-                       : slope,
-        .curvature = t < 0 || nil ? 0 : curvature,
-        .potential = t < 0 ? wall_potential
-                     : nil ? 0
-                           : potential,
+        .force = behind ? wall_force
+                 : nil  ? 0
+                        : force,
+        .slope = behind ? w.wall_slope
+                 : nil  ? 0
+                        : slope,
+        .curvature = behind || nil ? 0 : curvature,
+        .potential = behind ? wall_potential
+                     : nil  ? 0
+                            : potential,
     };
 }
 

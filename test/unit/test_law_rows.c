@@ -9,6 +9,22 @@ static double uniform(uint64_t k, uint64_t j, double low, double high) {
     return low + (high - low) * haft_random_uniform(words[0]);
 }
 
+/* Asked for less, the same bits of it. */
+static void check_parts(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                        const haft_law_values *all) {
+    enum { ROOM = 64 };
+    double part[3][ROOM];
+    size_t bytes = n * sizeof(double);
+    assert_true(haft_law_lanes(n) <= ROOM);
+    const haft_law_values force = {.force = part[0]}, three = {part[0], part[1], NULL, part[2]};
+    assert_true(haft_law_rows_evaluate(rows, first, n, d, &force));
+    assert_memory_equal(part[0], all->force, bytes);
+    assert_true(haft_law_rows_evaluate(rows, first, n, d, &three));
+    assert_memory_equal(part[0], all->force, bytes);
+    assert_memory_equal(part[1], all->slope, bytes);
+    assert_memory_equal(part[2], all->potential, bytes);
+}
+
 /* Laid out or not, whatever stretch is asked for: the same bits. */
 static void rows_give_the_same_bits(void **state) {
     (void)state;
@@ -46,6 +62,7 @@ static void rows_give_the_same_bits(void **state) {
             parts_seen[d[i] < middle - width ? 0 : d[i] < middle ? 1 : 2]++;
         }
         haft_law_rows_evaluate(rows, first, n, d, &values);
+        check_parts(rows, first, n, d, &values);
         for (size_t i = 0; i < n; i++) {
             haft_law_value v = haft_law_evaluate(&law[first + i], d[i]);
             const double expected[4] = {v.force, v.slope, v.curvature, v.potential};
