@@ -80,11 +80,24 @@ HAFT_CLONES static void scale(size_t n, double factor, const double *a, double *
     }
 }
 
-/* out = sum of the first `stages` increments, weighted. */
-static void combine(const haft_tracker *t, const double *weight, int stages, double *out) {
-    scale(t->n, weight[0], t->stage[0], out);
-    for (int i = 1; i < stages; i++) {
-        add_scaled(t->n, out, weight[i], t->stage[i], out);
+/* out = sum of the first `stages` increments, weighted; at most two, as before the last is known.
+ */
+HAFT_CLONES static void combine(size_t n, double *const *stage, const double *weight, int stages,
+                                double *restrict out) {
+    const double *a = stage[0], *b = stage[stages - 1];
+    double other = stages > 1 ? weight[1] : 0;
+    for (size_t k = 0; k < n; k++) {
+        out[k] = weight[0] * a[k] + other * b[k];
+    }
+}
+
+/* Where the step from u ends, and its embedded error. */
+HAFT_CLONES static void conclude(size_t n, const double *u, double *const *stage,
+                                 double *restrict end, double *restrict defect) {
+    const double *a = stage[0], *b = stage[1], *c = stage[2];
+    for (size_t k = 0; k < n; k++) {
+        end[k] = u[k] + ((RESULT[0] * a[k] + RESULT[1] * b[k]) + RESULT[2] * c[k]);
+        defect[k] = (DEFECT[0] * a[k] + DEFECT[1] * b[k]) + DEFECT[2] * c[k];
     }
 }
 
@@ -98,7 +111,7 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
     const double *gradient = t->gradient;
     for (int i = 0; i < STAGES; i++) {
         if (NEW_STATE[i]) {
-            combine(t, STAGE[i], i, sum);
+            combine(t->n, t->stage, STAGE[i], i, sum);
             add_scaled(t->n, from->u, 1, sum, to->u);
             if (!haft_tracker_gradient(t, to->u, to->load, t->other.gradient)) {
                 return false;
@@ -107,14 +120,12 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
         }
         scale(t->n, -1, gradient, t->stage[i]);
         if (i > 0) {
-            combine(t, COUPLING[i], i, sum);
+            combine(t->n, t->stage, COUPLING[i], i, sum);
             haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
         }
         haft_tracker_solve(t, t->stage[i]);
     }
-    combine(t, RESULT, STAGES, sum);
-    add_scaled(t->n, from->u, 1, sum, to->u);
-    combine(t, DEFECT, STAGES, sum);
+    conclude(t->n, from->u, t->stage, to->u, sum);
     return true;
 }
 

@@ -28,10 +28,11 @@ static haft_energy add(haft_energy a, haft_energy b) {
     return (haft_energy){a.strain + b.strain, a.contact + b.contact, a.rounding + b.rounding};
 }
 
-bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
-                           double *force_scale) {
+/* Evaluates, the gaps into `gap`. */
+static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
+                     double *force_scale, double *gap) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        t->hessian, force_scale, t->gap, t->site_stiffness);
+                                        t->hessian, force_scale, gap, t->site_stiffness);
     if (energy != NULL) {
         *energy = add(e, t->held.energy);
     }
@@ -40,10 +41,13 @@ bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_e
     return isfinite(sum);
 }
 
+bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
+                           double *force_scale) {
+    return evaluate(t, u, load, energy, force_scale, t->gap);
+}
+
 bool haft_tracker_visit(haft_tracker *t, haft_state *state) {
-    bool finite = haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
-    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
-    return finite;
+    return evaluate(t, state->u, state->load, &state->energy, NULL, state->gap);
 }
 
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient) {

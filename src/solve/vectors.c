@@ -101,6 +101,15 @@ HAFT_CLONES static void scale(sunrealtype a, N_Vector x, N_Vector z) {
     }
 }
 
+/* z = a everywhere, as KINSOL sets each step before it is solved for. */
+HAFT_CLONES static void fill(sunrealtype a, N_Vector z) {
+    double *out = N_VGetArrayPointer(z);
+    size_t n = (size_t)N_VGetLength(z);
+    for (size_t i = 0; i < n; i++) {
+        out[i] = a;
+    }
+}
+
 /* z = |x|, 1 / x and x / y, of which KINSOL makes the length of a step by u's own. */
 HAFT_CLONES static void absolute(N_Vector x, N_Vector z) {
     const double *in = N_VGetArrayPointer(x);
@@ -140,6 +149,7 @@ N_Vector haft_vector_create(size_t n, SUNContext context) {
     v->ops->nvprod = product;
     v->ops->nvlinearsum = linear_sum;
     v->ops->nvscale = scale;
+    v->ops->nvconst = fill;
     v->ops->nvabs = absolute;
     v->ops->nvinv = invert;
     v->ops->nvdiv = divide;
