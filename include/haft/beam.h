@@ -210,7 +210,13 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
                                 double load, double *gradient, double *hessian, double *force_scale,
                                 double *gap, double *site_stiffness);
 
-/** The same gradient alone, the same bits in less time. Thread-safe. */
+/** The gradient alone, the same bits in less time.
+ *  @param[in] model the structure
+ *  @param[in] laws one a site
+ *  @param[in] u [dofs] state, scaled unknowns
+ *  @param[in] load P [N]
+ *  @param[out] gradient [dofs], in units of energy; not finite where the state or a law is not.
+ *  Thread-safe. */
 void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, const double *u,
                          double load, double *gradient);
 

@@ -117,13 +117,12 @@ static void element_dofs(size_t e, int dof[HAFT_SPAN]) {
     }
 }
 
-/* The same of site r on a uniform mesh, where it is a whole number of half patches from the clamp:
+/* The same of site r on a uniform mesh, 2 r + 1 half patches from the clamp, by whole numbers:
  * sites in the same place of their elements are so to the bit. */
 static size_t find_uniform_element(size_t elements, size_t sites, size_t r, double *xi) {
-    size_t halves = (2 * r + 1) * elements,
-           element = 2 * sites; /* in 1 / element of a half patch */
-    *xi = (double)(halves % element) / (double)element;
-    return halves / element;
+    size_t beam = 2 * sites; /* half patches; an element is beam / elements of them long */
+    *xi = (double)((2 * r + 1) * elements % beam) / (double)beam;
+    return (2 * r + 1) * elements / beam;
 }
 
 /* The point at xi in element e of length l, as a row on its unknowns, in metres a unit of each. */

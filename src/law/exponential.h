@@ -4,13 +4,15 @@
 #ifndef HAFT_LAW_EXPONENTIAL_H
 #define HAFT_LAW_EXPONENTIAL_H
 
+#include "haft/base.h"
+
 #include <stdint.h>
 #include <string.h>
 
 /* e^x for |x| <= 700, to an ulp: x = n ln 2 + r, |r| <= ln(2)/2, the Taylor polynomial of degree 13
  * in r (its remainder is below 5e-18), its terms summed in pairs and fours, for a processor adds
  * several at a time; and n put into the exponent. */
-static inline double haft_law_exponential(double x) {
+HAFT_INLINE double haft_law_exponential(double x) {
     const double shift = 0x1.8p52; /* adding it rounds to an integer, held in the low bits */
     double t = x * 0x1.71547652b82fep0 + shift;
     double n = t - shift;

@@ -43,8 +43,8 @@ static inline haft_wings haft_law_wings(const haft_law *law) {
 /* Without `walls`, d must not be behind the law's. With E = exp(-a (d - d_max)) the right wing's
  * potential is f_max E (E/2 - 2) / a; the left one's above that of the bottom f_max (E - 1) (E - 3)
  * / (2 a), the bottom's -1.5 f_max / a_right. */
-static inline haft_law_value haft_law_wings_evaluate(haft_wings w, double d,
-                                                     haft_wings_bounds bounds, bool walls) {
+HAFT_INLINE haft_law_value haft_law_wings_evaluate(haft_wings w, double d, haft_wings_bounds bounds,
+                                                   bool walls) {
     double y = d - w.d_max, t = d - w.wall_distance;
     double a = y >= 0 ? w.a_right : w.a_left;
     double x = -a * y;
