@@ -111,7 +111,7 @@ static const char *axis_unit(const char *unit, double greatest, double *factor) 
     return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
 }
 
-/* The surface that all variants have, unless they differ in it: Figs. 3 and 11. */
+/* A surface such as all variants have, unless they differ in it: Figs. 3 and 11. */
 static haft_status draw_shared_surface(const haft_case *c, const char *folder, haft_error *error) {
     for (size_t k = 0; k < c->sweep.keys; k++) {
         if (strncmp(c->sweep.key[k], "surface.", strlen("surface.")) == 0) {

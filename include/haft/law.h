@@ -154,8 +154,9 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
 /** Frees rows and sets the pointer to NULL; NULL is allowed. */
 void haft_law_rows_destroy(haft_law_rows **rows);
 
-/** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. What is not
- *  asked for is NULL: the curvature, or all but the force. */
+/** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. Asked for
+ *  are all four, or all but the curvature, which is NULL then, or the force alone, the others NULL.
+ */
 typedef struct haft_law_values {
     double *force;     /**< [Pa] */
     double *slope;     /**< [Pa/m] */
@@ -170,7 +171,8 @@ typedef struct haft_law_values {
  *  @param[in] n how many, first + n at most as many as there are
  *  @param[in] d haft_law_lanes(n) gaps [m]; those from n on may be read and must be finite
  *  @param[out] out those from n on are of no law
- *  @return false if all values are known to be nil, as of a free span's. Thread-safe. */
+ *  @return false if all values are known to be nil, as a free span's are: they are set to 0.
+ *  Thread-safe. */
 bool haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             const haft_law_values *out);
 

@@ -465,9 +465,15 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
 haft_status haft_study_write_water(const haft_case *c, const char *directory,
                                    haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes into DIRECTORY, of the first beam's surface, surface.csv (heights of a square piece) and
- *  psd.csv: the radial PSD asked for, and that of a piece of 6 um by the beam's width, windowed by
- *  sin^2, with its standard error over its own value (Figs. 3 and 11 of Hoang et al., 2017).
+/** Writes what a case's surfaces look like (Figs. 3 and 11 of Hoang et al., 2017): surface.csv,
+ *  heights of a square piece of the first one; psd.csv, the radial PSD asked for; and rings.csv,
+ * that of a piece of 6 um (of maps: of a patch) by the beam's width, at most 4096 points a side,
+ * windowed by sin^2, with its standard error over its own value and the PSD asked for there. A
+ * piece of fewer than 16 waves' halves a side has no rings: one row of NaN.
+ *  @param[in] c the case, its files read
+ *  @param[in] directory they are written into; must exist
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_IO, or what making the surface failed with.
  *  Not thread-safe (FFTW planner). */
 haft_status haft_study_write_surface(const haft_case *c, const char *directory,
                                      haft_error *error) HAFT_MUST_CHECK;
@@ -493,10 +499,10 @@ haft_status haft_study_shapes(haft_results_shapes **out, const haft_case *c, con
                               haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes the data of a case's figures as CSV into `directory`, which must exist: those of
- *  haft_study_write_surface(), laws.csv (ten of its curves and the laws they became), vectors.csv
- * (those laws' e, f_max, d_max, d_limit), and of `realization`: shapes.csv (heights in loading and
- * unloading, those about each phase's greatest jump marked), energy.csv and jumps.csv (internal
- * energy against crack length, and its jumps). */
+ *  haft_study_write_surface(), laws.csv (ten curves of realization 0 and the laws they became),
+ *  vectors.csv (those laws' e, f_max, d_max, d_limit), and of `realization`: shapes.csv (heights in
+ *  loading and unloading, those about each phase's greatest jump marked), energy.csv and jumps.csv
+ *  (internal energy against crack length, and its jumps). */
 haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
                                      const char *results_path, size_t realization,
                                      const char *directory, haft_error *error) HAFT_MUST_CHECK;

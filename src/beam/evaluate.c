@@ -36,8 +36,8 @@ static bool evaluate_stretch(const haft_model *model, const haft_stretch *s,
 
 /* Energy [J] of four sites from i on, and what rounding makes of it; forces and stiffnesses in
  * units of energy take their places. */
-static inline void weigh_four(const double *area, size_t i, double by_unit, stretch_state *s,
-                              quad *energy, quad *push) {
+HAFT_INLINE void weigh_four(const double *area, size_t i, double by_unit, stretch_state *s,
+                            quad *energy, quad *push) {
     const quad here = *(const quad *)(area + i), force = *(const quad *)(s->force + i);
     const quad weight = here * by_unit;
     *energy += here * *(const quad *)(s->potential + i);

@@ -205,14 +205,21 @@ static void scale_nodes(beam_parts *parts, size_t nodes, double pitch, double ga
     }
 }
 
+/* The point at x, which is at xi in element e. */
+static haft_site place_point(const beam_parts *parts, const haft_beam_spec *beam, size_t e,
+                             double xi, double x, double pitch) {
+    double l = element_length(parts->x, e, pitch);
+    haft_site site = make_point(e, xi, l, parts->node_scale, beam->gap);
+    site.x = x;
+    return site;
+}
+
 static haft_site make_site(const beam_parts *parts, const haft_beam_spec *beam, bool uniform,
                            size_t nodes, size_t sites, size_t r, double pitch) {
     double x = site_position(beam->length, sites, r), xi;
     size_t e = uniform ? find_uniform_element(nodes - 1, sites, r, &xi)
                        : find_element(parts->x, nodes, x, &xi);
-    double l = element_length(parts->x, e, pitch);
-    haft_site site = make_point(e, xi, l, parts->node_scale, beam->gap);
-    site.x = x;
+    haft_site site = place_point(parts, beam, e, xi, x, pitch);
     site.area = beam->width * beam->length / (double)sites;
     return site;
 }
@@ -221,10 +228,7 @@ static haft_site make_load(const beam_parts *parts, const haft_beam_spec *beam, 
                            double x, double pitch) {
     double xi;
     size_t e = find_element(parts->x, nodes, x, &xi);
-    double l = element_length(parts->x, e, pitch);
-    haft_site site = make_point(e, xi, l, parts->node_scale, beam->gap);
-    site.x = x;
-    return site;
+    return place_point(parts, beam, e, xi, x, pitch);
 }
 
 static haft_status build(haft_model **out, const haft_beam_spec *beam, const haft_mesh_spec *mesh,

@@ -262,13 +262,13 @@ static void scatter_nodes(const haft_layout *layout, const haft_run *run, const 
 
 /* to[4] += q, by halves: neighbouring elements share two unknowns, and a processor reads back at
  * once what it has just written only if that was written in one piece. */
-static inline void add_quad(double *to, quad q) {
+HAFT_INLINE void add_quad(double *to, quad q) {
     *(pair *)to += __builtin_shufflevector(q, q, 0, 1);
     *(pair *)(to + 2) += __builtin_shufflevector(q, q, 2, 3);
 }
 
 /* Forces that a run of sites gives its four unknowns. */
-static inline void sum_forces(const double *share, size_t sites, const double *force, quad *sum) {
+HAFT_INLINE void sum_forces(const double *share, size_t sites, const double *force, quad *sum) {
     quad s0 = {0};
     const quad *part = (const quad *)share;
     for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
@@ -278,8 +278,8 @@ static inline void sum_forces(const double *share, size_t sites, const double *f
 }
 
 /* Forces and columns of stiffness that a run of sites gives its four unknowns. */
-static inline void sum_shares(const double *share, size_t sites, const double *force,
-                              const double *stiffness, quad sum[HAFT_COLUMNS]) {
+HAFT_INLINE void sum_shares(const double *share, size_t sites, const double *force,
+                            const double *stiffness, quad sum[HAFT_COLUMNS]) {
     quad s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}, s4 = {0};
     const quad *part = (const quad *)share;
     for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
@@ -292,8 +292,8 @@ static inline void sum_shares(const double *share, size_t sites, const double *f
     sum[0] = s0, sum[1] = s1, sum[2] = s2, sum[3] = s3, sum[4] = s4;
 }
 
-static inline void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
-                                 const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
+HAFT_INLINE void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
+                               const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
     if (gradient != NULL) {
         add_quad(gradient + layout->dof[r], sum[0]);
     }
@@ -314,9 +314,9 @@ static void scatter_part(const haft_site *site, const int *slot, const quad sum[
     }
 }
 
-static inline bool any(const double *force, const double *stiffness, size_t n) {
+HAFT_INLINE bool any(const double *v, size_t n) {
     for (size_t i = 0; i < n; i++) {
-        if (force[i] != 0 || stiffness[i] != 0) {
+        if (v[i] != 0) {
             return true;
         }
     }
@@ -332,7 +332,7 @@ HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stret
         const double *f = force + (run->first - s->first), *k = stiffness + (run->first - s->first);
         if (!run->shared) {
             scatter_nodes(layout, run, f, k, gradient, hessian);
-        } else if (any(f, k, run->sites)) {
+        } else if (any(f, run->sites) || (hessian != NULL && any(k, run->sites))) {
             quad sum[HAFT_COLUMNS];
             const int *slot = model->site_slot + run->first * ENTRIES;
             const double *share = layout->share + run->alike * HAFT_SHARES;

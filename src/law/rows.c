@@ -64,13 +64,13 @@ void haft_law_rows_destroy(haft_law_rows **rows) {
     *rows = NULL;
 }
 
-static inline bool is_nil(const double *v, size_t stride, double d) {
+HAFT_INLINE bool is_nil(const double *v, size_t stride, double d) {
     return (v[3 * stride] * (d - v[stride]) > HAFT_LAW_NIL) & (d >= v[6 * stride]);
 }
 
 /* Whether none of LANES laws is anything: a free span. Beams lie down from their ends, so that the
  * last of them tells first. */
-static inline bool all_nil(const double *v, size_t stride, const double *d) {
+HAFT_INLINE bool all_nil(const double *v, size_t stride, const double *d) {
     size_t i = LANES;
     while (i > 0 && is_nil(v + i - 1, stride, d[i - 1])) {
         i--;
@@ -130,7 +130,7 @@ HAFT_INLINE void evaluate_from(const haft_law_rows *rows, const double *v, bool 
                    what != FORCE ? out->potential + i : NULL);
 }
 
-static inline void set_nil(asked what, const haft_law_values *out, size_t i) {
+HAFT_INLINE void set_nil(asked what, const haft_law_values *out, size_t i) {
     memset(out->force + i, 0, LANES * sizeof(double));
     if (what != FORCE) {
         memset(out->slope + i, 0, LANES * sizeof(double));

@@ -92,6 +92,7 @@ HAFT_CLONES static void combine(size_t n, double *const *stage, const double *we
 }
 
 /* Where the step from u ends, and its embedded error. */
+_Static_assert(STAGES == 3, "three increments");
 HAFT_CLONES static void conclude(size_t n, const double *u, double *const *stage,
                                  double *restrict end, double *restrict defect) {
     const double *a = stage[0], *b = stage[1], *c = stage[2];

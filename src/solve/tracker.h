@@ -81,7 +81,7 @@ typedef struct haft_tracker {
     struct {
         double *gradient, *hessian;
     } other;                         /* those of another state, put aside */
-    double *gap;                     /* sites: at the state last evaluated [m] */
+    double *gap;                     /* sites: of the last haft_tracker_evaluate() [m] */
     double *gap_predicted;           /* sites: where the corrector started from [m] */
     double *solution;                /* n: H^-1 b at the state last certified */
     double *motion;                  /* sites: what that is of their displacements */
@@ -114,10 +114,10 @@ void haft_tracker_destroy(haft_tracker **tracker);
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale);
 
-/* The same of a state, which keeps its energy and gaps. */
+/* The same of a state, where its energy and gaps go; the tracker's own gaps stay. */
 bool haft_tracker_visit(haft_tracker *t, haft_state *state);
 
-/* The gradient alone, into `gradient`; what is at hand stays. */
+/* The gradient alone, into `gradient`; what is at hand stays. @return whether it is finite. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient);
 
 /* The energy alone; what is at hand stays. */

@@ -4,9 +4,9 @@
 #include "sheet.h"
 
 #include <math.h>
-#include <string.h>
 
-enum { MAP_POINTS = 300, SPECTRUM_MOST = 4096 }; /* points a side */
+enum { MAP_POINTS = 300, SPECTRUM_LEAST = 16, SPECTRUM_MOST = 4096 }; /* points a side */
+enum { ASKED_POINTS = 200 };
 
 /* Side of the piece that is shown [m]. */
 #define MAP_SIZE 6e-6
@@ -17,6 +17,7 @@ static const double RING_REACH = 1.03;
 
 typedef struct piece {
     size_t rows, columns; /* along the beam, across it */
+    size_t stride;        /* every so many points carry the surface's shortest wave */
     double step;          /* [m] */
     double *z;            /* [rows][columns] */
 } piece;
@@ -39,24 +40,27 @@ static haft_status generate_piece(piece *p, const haft_case *c, size_t patches, 
     return status;
 }
 
-/* As long as is shown and as wide as the beam, from realization 0's corner; of maps its first patch
- * alone. */
+/* As long as is shown, or as a spectrum needs, and as wide as the beam, from realization 0's
+ * corner; of maps, whose waves are as short as their pixels, its first patch alone. */
 static haft_status draw_piece(piece *p, const haft_case *c, haft_error *error) {
     haft_tiling *tiling = NULL;
-    double step = c->surface.grid_step;
-    size_t patch = (size_t)llround(c->mesh.l_meso / step), shown = (size_t)llround(MAP_SIZE / step);
-    size_t patches = (shown + patch - 1) / patch;
     haft_status status = haft_study_tiling(&tiling, c, error);
     if (status != HAFT_OK) {
         return status;
     }
-    *p = (piece){tiling != NULL ? patch : shown, (size_t)llround(c->beam.width / step), step, NULL};
+    double step = c->surface.grid_step;
+    size_t patch = (size_t)llround(c->mesh.l_meso / step), shown = (size_t)llround(MAP_SIZE / step);
+    size_t ratio = tiling != NULL ? 1 : haft_surface_lattice_ratio(&c->surface.psd, step);
+    *p = (piece){.columns = (size_t)llround(c->beam.width / step), .step = step};
+    p->stride = ratio > 0 ? ratio : 1;
+    size_t rows = shown > SPECTRUM_LEAST * p->stride ? shown : SPECTRUM_LEAST * p->stride;
+    p->rows = tiling != NULL ? patch : rows;
     p->z = haft_memory_alloc(p->rows * p->columns, sizeof *p->z, error);
     status = p->z == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
     if (status == HAFT_OK && tiling != NULL) {
         haft_tiling_fill(tiling, 0, 0, p->z);
     } else if (status == HAFT_OK) {
-        status = generate_piece(p, c, patches, error);
+        status = generate_piece(p, c, (rows + patch - 1) / patch, error);
     }
     haft_tiling_destroy(&tiling);
     return status;
@@ -89,21 +93,21 @@ static size_t points_kept(size_t n, size_t stride) {
     return kept < SPECTRUM_MOST ? kept : SPECTRUM_MOST;
 }
 
-/* The piece's radial PSD, of every so many points as still carry its shortest wave. */
-static haft_status measure(haft_psd_table **out, const piece *p, const haft_case *c,
-                           haft_error *error) {
+/* The piece's radial PSD; none, without an error, of one too narrow to have any. */
+static haft_status measure(haft_psd_table **out, const piece *p, haft_error *error) {
     haft_map *map = NULL;
-    size_t stride = haft_surface_lattice_ratio(&c->surface.psd, p->step);
-    stride = stride > 0 ? stride : 1;
-    double step = (double)stride * p->step;
-    haft_status status = haft_map_create(&map, points_kept(p->rows, stride),
-                                         points_kept(p->columns, stride), step, step, error);
+    size_t rows = points_kept(p->rows, p->stride), columns = points_kept(p->columns, p->stride);
+    double step = (double)p->stride * p->step;
+    if (rows < SPECTRUM_LEAST || columns < SPECTRUM_LEAST) {
+        return HAFT_OK;
+    }
+    haft_status status = haft_map_create(&map, rows, columns, step, step, error);
     if (status != HAFT_OK) {
         return status;
     }
-    for (size_t i = 0; i < map->rows; i++) {
-        for (size_t j = 0; j < map->columns; j++) {
-            map->z[i * map->columns + j] = p->z[stride * (i * p->columns + j)];
+    for (size_t i = 0; i < rows; i++) {
+        for (size_t j = 0; j < columns; j++) {
+            map->z[i * columns + j] = p->z[p->stride * (i * p->columns + j)];
         }
     }
     const haft_map *const maps[] = {map};
@@ -117,30 +121,52 @@ static double asked(const haft_case *c, double zeta) {
                                     : haft_psd_value(&c->surface.psd, zeta);
 }
 
-/* A row a ring, and one at the shortest wave, which no ring inside reaches. */
-static haft_status write_spectrum(const haft_psd_table *measured, const haft_case *c,
-                                  const char *directory, haft_error *error) {
-    static const char *const name[] = {"zeta [rad/um]", "asked [nm^4]", "measured [nm^4]",
-                                       "relative error"};
+/* The PSD asked for, from a tenth of its roll-off, or from where it was measured, to its end. */
+static haft_status write_asked(const haft_case *c, const haft_psd_table *measured,
+                               const char *directory, haft_error *error) {
+    static const char *const name[] = {"zeta [rad/um]", "s [nm^4]"};
+    const haft_psd *psd = &c->surface.psd;
+    double low = 0.1 * psd->zeta_0, most = psd->zeta_max;
+    low = measured != NULL ? fmin(low, measured->zeta[0]) : low;
     haft_sheet t = {0};
-    double most = c->surface.psd.zeta_max;
-    size_t n = 0;
-    while (n < measured->n && measured->zeta[n] * RING_REACH < most) {
-        n++;
-    }
-    haft_status status = haft_sheet_make(&t, n + 1, 4, error);
+    haft_status status = haft_sheet_make(&t, ASKED_POINTS, 2, error);
     if (status != HAFT_OK) {
         return status;
     }
-    for (size_t i = 0; i <= n; i++) {
-        double zeta = i < n ? measured->zeta[i] : most, *row = t.value + 4 * i;
-        row[0] = zeta * 1e-6;
-        row[1] = asked(c, zeta) * 1e36;
-        row[2] = i < n ? measured->s[i] * 1e36 : NAN;
-        row[3] = i < n ? 1 / sqrt(measured->count[i]) : NAN;
+    for (size_t i = 0; i < ASKED_POINTS; i++) {
+        double share = (double)i / (ASKED_POINTS - 1);
+        double zeta = i + 1 < ASKED_POINTS ? low * pow(most / low, share) : most;
+        t.value[2 * i] = zeta * 1e-6;
+        t.value[2 * i + 1] = asked(c, zeta) * 1e36;
     }
     haft_sheet_name(&t, name);
     return haft_sheet_write(&t, directory, "psd.csv", error);
+}
+
+/* The rings measured inside the PSD asked for; one without numbers where there are none. */
+static haft_status write_rings(const haft_case *c, const haft_psd_table *measured,
+                               const char *directory, haft_error *error) {
+    static const char *const name[] = {"zeta [rad/um]", "s [nm^4]", "relative error",
+                                       "asked [nm^4]"};
+    haft_sheet t = {0};
+    size_t n = 0;
+    while (measured != NULL && n < measured->n &&
+           measured->zeta[n] * RING_REACH < c->surface.psd.zeta_max) {
+        n++;
+    }
+    haft_status status = haft_sheet_make(&t, n > 0 ? n : 1, 4, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    for (size_t i = 0; i < t.rows; i++) {
+        double *row = t.value + 4 * i;
+        row[0] = n > 0 ? measured->zeta[i] * 1e-6 : NAN;
+        row[1] = n > 0 ? measured->s[i] * 1e36 : NAN;
+        row[2] = n > 0 ? 1 / sqrt(measured->count[i]) : NAN;
+        row[3] = n > 0 ? asked(c, measured->zeta[i]) * 1e36 : NAN;
+    }
+    haft_sheet_name(&t, name);
+    return haft_sheet_write(&t, directory, "rings.csv", error);
 }
 
 haft_status haft_study_write_surface(const haft_case *c, const char *directory, haft_error *error) {
@@ -151,10 +177,13 @@ haft_status haft_study_write_surface(const haft_case *c, const char *directory, 
         status = write_heights(&p, directory, error);
     }
     if (status == HAFT_OK) {
-        status = measure(&measured, &p, c, error);
+        status = measure(&measured, &p, error);
     }
     if (status == HAFT_OK) {
-        status = write_spectrum(measured, c, directory, error);
+        status = write_asked(c, measured, directory, error);
+    }
+    if (status == HAFT_OK) {
+        status = write_rings(c, measured, directory, error);
     }
     haft_psd_table_destroy(&measured);
     haft_memory_free(p.z);

@@ -25,6 +25,39 @@ static void check_parts(const haft_law_rows *rows, size_t first, size_t n, const
     assert_memory_equal(part[2], all->potential, bytes);
 }
 
+/* Laws that are all out of reach say so and are 0; one within reach, in whatever lane, is felt. */
+static void a_free_span_is_told(void **state) {
+    (void)state;
+    enum { LAWS = 2 * HAFT_LAW_LANES, ROOM = LAWS + 2 * HAFT_LAW_LANES };
+    haft_error error = {0};
+    haft_law law[LAWS];
+    haft_law_rows *rows = NULL;
+    double d[ROOM] = {0}, out[4][ROOM];
+    const haft_law_vector v = {.e = 4e-3, .f_max = 1e6, .d_max = 10e-9, .d_limit = 8e-9};
+    for (size_t i = 0; i < LAWS; i++) {
+        assert_int_equal(haft_law_morse(&law[i], &v, 5e6), HAFT_LAW_SOUND);
+    }
+    check_ok(haft_law_rows_create(&rows, LAWS, law, &error), error);
+    const haft_law_values asked[3] = {
+        {.force = out[0]}, {out[0], out[1], NULL, out[3]}, {out[0], out[1], out[2], out[3]}};
+    for (size_t a = 0; a < 3; a++) {
+        for (size_t near = 0; near <= LAWS; near++) {
+            for (size_t i = 0; i < ROOM; i++) {
+                d[i] = i == near ? 11e-9 : 1e-5;
+                out[0][i] = out[1][i] = out[2][i] = out[3][i] = 7;
+            }
+            assert_true(haft_law_rows_evaluate(rows, 0, LAWS, d, &asked[a]) == (near < LAWS));
+            for (size_t i = 0; i < LAWS; i++) {
+                assert_true((out[0][i] != 0) == (i == near));
+                assert_true(asked[a].slope == NULL || (out[1][i] != 0) == (i == near));
+                assert_true(asked[a].curvature == NULL || (out[2][i] != 0) == (i == near));
+                assert_true(asked[a].potential == NULL || (out[3][i] != 0) == (i == near));
+            }
+        }
+    }
+    haft_law_rows_destroy(&rows);
+}
+
 /* Laid out or not, whatever stretch is asked for: the same bits. */
 static void rows_give_the_same_bits(void **state) {
     (void)state;
@@ -110,6 +143,7 @@ static void a_tables_reach_is_its_last_crossing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(rows_give_the_same_bits),
+                                       cmocka_unit_test(a_free_span_is_told),
                                        cmocka_unit_test(a_tables_reach_is_its_last_crossing)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
