@@ -262,9 +262,9 @@ static void scatter_nodes(const haft_layout *layout, const haft_run *run, const 
 
 /* to[4] += q, by halves: neighbouring elements share two unknowns, and a processor reads back at
  * once what it has just written only if that was written in one piece. */
-HAFT_INLINE void add_quad(double *to, quad q) {
-    *(pair *)to += __builtin_shufflevector(q, q, 0, 1);
-    *(pair *)(to + 2) += __builtin_shufflevector(q, q, 2, 3);
+HAFT_INLINE void add_quad(double *to, const quad *q) {
+    *(pair *)to += __builtin_shufflevector(*q, *q, 0, 1);
+    *(pair *)(to + 2) += __builtin_shufflevector(*q, *q, 2, 3);
 }
 
 /* Forces that a run of sites gives its four unknowns. */
@@ -295,10 +295,10 @@ HAFT_INLINE void sum_shares(const double *share, size_t sites, const double *for
 HAFT_INLINE void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
                                const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
     if (gradient != NULL) {
-        add_quad(gradient + layout->dof[r], sum[0]);
+        add_quad(gradient + layout->dof[r], &sum[0]);
     }
     for (int j = 0; j < HAFT_SPAN && hessian != NULL; j++) {
-        add_quad(hessian + slot[j], sum[1 + j]); /* from row 0 of column j on */
+        add_quad(hessian + slot[j], &sum[1 + j]); /* from row 0 of column j on */
     }
 }
 
