@@ -160,33 +160,26 @@ HAFT_INLINE bool evaluate_asked(const haft_law_rows *rows, size_t first, size_t 
     return felt;
 }
 
-HAFT_CLONES static bool evaluate_forces(const haft_law_rows *rows, size_t first, size_t n,
-                                        const double *d, const haft_law_values *out) {
-    return evaluate_asked(rows, first, n, d, FORCE, out);
-}
-
 HAFT_CLONES static bool evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
-                                       const double *d, const haft_law_values *out) {
-    return evaluate_asked(rows, first, n, d, NO_CURVATURE, out);
-}
-
-HAFT_CLONES static bool evaluate_all(const haft_law_rows *rows, size_t first, size_t n,
-                                     const double *d, const haft_law_values *out) {
-    return evaluate_asked(rows, first, n, d, ALL, out);
+                                       const double *d, asked what, const haft_law_values *out) {
+    switch (what) { /* what is asked for is a constant in each */
+    case FORCE:
+        return evaluate_asked(rows, first, n, d, FORCE, out);
+    case NO_CURVATURE:
+        return evaluate_asked(rows, first, n, d, NO_CURVATURE, out);
+    default:
+        return evaluate_asked(rows, first, n, d, ALL, out);
+    }
 }
 
 bool haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             const haft_law_values *out) {
     asked what = out->slope == NULL ? FORCE : out->curvature == NULL ? NO_CURVATURE : ALL;
     bool felt = rows->tables > 0;
-    if (rows->tables == rows->laws && n > 0) {
+    if (rows->tables < rows->laws) {
+        felt |= evaluate_wings(rows, first, n, d, what, out);
+    } else if (n > 0) {
         set_nil(what, out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
-    } else if (what == FORCE) {
-        felt |= evaluate_forces(rows, first, n, d, out);
-    } else if (what == NO_CURVATURE) {
-        felt |= evaluate_wings(rows, first, n, d, out);
-    } else {
-        felt |= evaluate_all(rows, first, n, d, out);
     }
     if (rows->tables > 0) {
         haft_law_tables_evaluate(rows->table + first, n, d, out);
