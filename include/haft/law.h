@@ -171,10 +171,11 @@ typedef struct haft_law_values {
  *  @param[in] n how many, first + n at most as many as there are
  *  @param[in] d haft_law_lanes(n) gaps [m]; those from n on may be read and must be finite
  *  @param[out] out those from n on are of no law
- *  @return false if all values are known to be nil, as a free span's are: they are set to 0.
+ *  @return how many, from the first on, are known to be nil, as a free span's are: set to 0. All n,
+ *  or whole lanes.
  *  Thread-safe. */
-bool haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
-                            const haft_law_values *out);
+size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                              const haft_law_values *out);
 
 /** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the
  *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */

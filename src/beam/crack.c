@@ -2,7 +2,7 @@
 /* The crack's tip in the beam's own shape. The beam is cubic in each piece between nodes and patch
  * borders, so the tip is the first root of a cubic, found by Newton's steps and bisection inside
  * monotone stretches: exact to round-off and free of the cubic formula's cancellation. */
-#include "haft/beam.h"
+#include "sites.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -123,9 +123,10 @@ static double first_reach(const double c[4], double level, double a, double b) {
 /* No less than the greatest w over an element: that of its cubic's control polygon, and a margin
  * for rounding. */
 static double bound(const double c[4], double gap) {
-    double start = c[0], first = c[0] + c[1] / 3, second = first + (c[1] + c[2]) / 3;
+    const double third = 1.0 / 3;
+    double start = c[0], first = c[0] + c[1] * third, second = first + (c[1] + c[2]) * third;
     double end = c[0] + c[1] + c[2] + c[3];
-    return fmax(fmax(start, first), fmax(second, end)) + 1e-12 * gap;
+    return larger(larger(start, first), larger(second, end)) + 1e-12 * gap;
 }
 
 double haft_model_crack_length(const haft_model *model, const double *reach, const double *u) {

@@ -26,12 +26,12 @@ typedef struct stretch_state {
     double potential[HAFT_STRETCH_ROOM];
 } stretch_state;
 
-/* @return false if there is nothing, all nil */
-static bool evaluate_stretch(const haft_model *model, const haft_stretch *s,
-                             const haft_law_rows *laws, const double *u, stretch_state *out) {
+/* @return how many are nil, from the first on */
+static size_t evaluate_stretch(const haft_model *model, const haft_stretch *s,
+                               const haft_law_rows *laws, const double *u, stretch_state *out) {
     haft_stretch_gaps(model, s, u, out->d);
     haft_law_values values = {out->force, out->slope, NULL, out->potential};
-    return haft_law_rows_evaluate(laws, s->first, s->sites, out->d, &values);
+    return haft_law_rows_evaluate(laws, s->first, haft_stretch_sites(model, s), out->d, &values);
 }
 
 /* Energy [J] of four sites from i on, and what rounding makes of it; forces and stiffnesses in
@@ -48,12 +48,12 @@ HAFT_INLINE void weigh_four(const double *area, size_t i, double by_unit, stretc
 
 /* The same of a stretch in whole lanes, each the sum of eight sums side by side. By hand: left to
  * itself a compiler shuffles the lanes of this loop. */
-HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double unit, stretch_state *s,
-                                        double *pushed) {
+HAFT_CLONES static double weigh_stretch(const double *area, size_t nil, size_t n, double unit,
+                                        stretch_state *s, double *pushed) {
     _Static_assert(HAFT_LAW_LANES == 8, "lanes are two quads");
     quad energy[2] = {{0}, {0}}, push[2] = {{0}, {0}};
     double by_unit = 1 / unit, sum = 0;
-    for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
+    for (size_t i = nil; i < n; i += HAFT_LAW_LANES) {
         weigh_four(area, i, by_unit, s, &energy[0], &push[0]);
         weigh_four(area, i + 4, by_unit, s, &energy[1], &push[1]);
     }
@@ -65,9 +65,10 @@ HAFT_CLONES static double weigh_stretch(const double *area, size_t n, double uni
 }
 
 /* The largest term that n sites, in whole lanes, give the gradient. */
-HAFT_CLONES static double largest_term(const double *top, size_t n, const double *force) {
+HAFT_CLONES static double largest_term(const double *top, size_t nil, size_t n,
+                                       const double *force) {
     double part[HAFT_LAW_LANES] = {0}, largest = 0;
-    for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
+    for (size_t i = nil; i < n; i += HAFT_LAW_LANES) {
         for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
             part[k] = larger(fabs(force[i + k]) * top[i + k], part[k]);
         }
@@ -87,25 +88,20 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
     stretch_state state;
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
-        bool felt = evaluate_stretch(model, s, laws, u, &state);
+        size_t nil = evaluate_stretch(model, s, laws, u, &state);
+        size_t sites = haft_stretch_sites(model, s);
         if (gap != NULL) {
-            memcpy(gap + s->first, state.d, s->sites * sizeof *gap);
+            memcpy(gap + s->first, state.d, sites * sizeof *gap);
         }
-        if (!felt) {
-            if (site_stiffness != NULL) {
-                memset(site_stiffness + s->first, 0, s->sites * sizeof *site_stiffness);
-            }
-            continue;
-        }
-        energy += weigh_stretch(model->layout->area + s->first, s->sites, model->energy_unit,
+        energy += weigh_stretch(model->layout->area + s->first, nil, sites, model->energy_unit,
                                 &state, &pushed);
         if (site_stiffness != NULL) {
-            memcpy(site_stiffness + s->first, state.slope, s->sites * sizeof *site_stiffness);
+            memcpy(site_stiffness + s->first, state.slope, sites * sizeof *site_stiffness);
         }
-        haft_stretch_assemble(model, s, state.force, state.slope, gradient, hessian);
+        haft_stretch_assemble(model, s, nil, state.force, state.slope, gradient, hessian);
         if (largest != NULL) {
             const double *top = model->layout->top + s->first;
-            *largest = larger(*largest, largest_term(top, s->sites, state.force));
+            *largest = larger(*largest, largest_term(top, nil, sites, state.force));
         }
     }
     *rounding += pushed * model->gap;
@@ -139,9 +135,10 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
 }
 
 /* Pushes into forces, in units of energy. */
-HAFT_CLONES static void weigh_forces(const double *area, size_t n, double unit, double *force) {
+HAFT_CLONES static void weigh_forces(const double *area, size_t nil, size_t n, double unit,
+                                     double *force) {
     double by_unit = 1 / unit;
-    for (size_t i = 0; i < n; i += HAFT_LAW_LANES) {
+    for (size_t i = nil; i < n; i += HAFT_LAW_LANES) {
         for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
             force[i + k] *= area[i + k] * by_unit;
         }
@@ -157,10 +154,10 @@ void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, con
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_gaps(model, s, u, d);
-        if (haft_law_rows_evaluate(laws, s->first, s->sites, d, &values)) {
-            weigh_forces(model->layout->area + s->first, s->sites, model->energy_unit, force);
-            haft_stretch_assemble(model, s, force, force, gradient, NULL);
-        }
+        size_t sites = haft_stretch_sites(model, s);
+        size_t nil = haft_law_rows_evaluate(laws, s->first, sites, d, &values);
+        weigh_forces(model->layout->area + s->first, nil, sites, model->energy_unit, force);
+        haft_stretch_assemble(model, s, nil, force, force, gradient, NULL);
     }
     add_load(&model->load, -load / model->energy_unit, gradient, &largest);
 }
@@ -173,9 +170,9 @@ void haft_model_multiply(const haft_model *model, const double *site_stiffness, 
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_displacements(model, s, x, force);
-        for (size_t i = 0; i < s->sites; i++) {
+        for (size_t i = 0; i < haft_stretch_sites(model, s); i++) {
             force[i] *= site_stiffness[s->first + i];
         }
-        haft_stretch_assemble(model, s, force, force, y, NULL);
+        haft_stretch_assemble(model, s, 0, force, force, y, NULL);
     }
 }

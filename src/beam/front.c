@@ -4,27 +4,30 @@
  * none of the unknowns before it. */
 #include "sites.h"
 
+/* Sites are held by so many. */
+enum { BLOCK = 32 };
+
 haft_model haft_model_front(const haft_model *model, size_t sites, size_t *moving) {
     haft_model front = *model;
     *moving = model->dofs;
-    size_t active = sites > model->inert ? sites - model->inert : 1;
-    size_t stretches = (active + HAFT_STRETCH - 1) / HAFT_STRETCH;
-    const haft_layout *layout = model->layout;
-    while (stretches < model->stretches && /* a site asked for is not held with its element */
-           layout->dof[layout->stretch[stretches].first] <=
-               layout->dof[model->inert + active - 1]) {
-        stretches++;
+    const int *dof = model->layout->dof;
+    size_t asked = sites > model->inert ? sites - model->inert : 1;
+    size_t first = model->inert + (asked + BLOCK - 1) / BLOCK * BLOCK; /* that is held */
+    while (first < model->sites && dof[first] <= dof[model->inert + asked - 1]) {
+        first += BLOCK; /* a site asked for is not held with its element */
     }
-    if (model->nodes == 0 || stretches >= model->stretches) {
+    if (model->nodes == 0 || first >= model->sites) {
         return front;
     }
-    size_t first = layout->stretch[stretches].first; /* of the sites that are held */
-    size_t node = (size_t)layout->dof[first] / 2;
+    while (dof[first - 1] == dof[first]) { /* those before it on its element do not move either */
+        first--;
+    }
+    size_t node = (size_t)dof[first] / 2;
     *moving = 2 * node;
     front.dofs = *moving + 2;
     front.elements = node + 1;
     front.sites = first;
-    front.stretches = stretches;
+    front.stretches = (first - model->inert + HAFT_STRETCH - 1) / HAFT_STRETCH;
     front.nonzeros = (size_t)model->column[front.dofs];
     return front;
 }

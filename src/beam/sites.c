@@ -9,6 +9,9 @@
 
 enum { LANES = HAFT_LAW_LANES, ENTRIES = HAFT_SPAN * HAFT_SPAN };
 
+/* The gaps [m] in the lanes behind the last site: no law is anything there. */
+#define OUT_OF_REACH 1e100
+
 static bool same_unknowns(const haft_site *a, const haft_site *b) {
     return memcmp(a->dof, b->dof, sizeof a->dof) == 0;
 }
@@ -84,7 +87,7 @@ static void find_idle_runs(haft_layout *layout, const haft_model *model) {
 static void fill(haft_layout *layout, const haft_model *model) {
     for (size_t r = 0; r < model->sites; r++) {
         const double *shape = model->site[r].shape;
-        double *share = layout->share + r * HAFT_SHARES;
+        double *term = layout->term + r * HAFT_SPAN, *share = layout->share + r * ENTRIES;
         layout->area[r] = model->site[r].area;
         for (int k = 0; k < model->site[r].terms; k++) {
             layout->top[r] = fmax(layout->top[r], fabs(shape[k]));
@@ -93,9 +96,9 @@ static void fill(haft_layout *layout, const haft_model *model) {
         layout->slot[r] = r < model->inert ? -1 : model->site_slot[r * ENTRIES];
         for (size_t i = 0; i < HAFT_SPAN; i++) {
             layout->shape[i * layout->stride + r] = shape[i];
-            share[i] = shape[i];
+            term[i] = shape[i];
             for (size_t j = 0; j < HAFT_SPAN; j++) {
-                share[(1 + j) * HAFT_SPAN + i] = shape[i] * shape[j];
+                share[j * HAFT_SPAN + i] = shape[i] * shape[j];
             }
         }
     }
@@ -115,12 +118,14 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
     layout->shape = haft_memory_alloc(HAFT_SPAN * layout->stride, sizeof(double), error);
     layout->area = haft_memory_alloc(layout->stride, sizeof(double), error);
     layout->top = haft_memory_alloc(layout->stride, sizeof(double), error);
-    layout->share = haft_memory_alloc(HAFT_SHARES * sites, sizeof(double), error);
+    layout->term = haft_memory_alloc(HAFT_SPAN * sites, sizeof(double), error);
+    layout->share = haft_memory_alloc(ENTRIES * sites, sizeof(double), error);
     layout->dof = haft_memory_alloc(sites, sizeof *layout->dof, error);
     layout->slot = haft_memory_alloc(sites, sizeof *layout->slot, error);
     layout->element_run = haft_memory_alloc(model->elements, sizeof *layout->element_run, error);
     if (!layout->element_run || !layout->stretch || !layout->run || !layout->shape ||
-        !layout->area || !layout->top || !layout->share || !layout->dof || !layout->slot) {
+        !layout->area || !layout->top || !layout->term || !layout->share || !layout->dof ||
+        !layout->slot) {
         haft_layout_destroy(&layout);
         return HAFT_ERROR_MEMORY;
     }
@@ -142,6 +147,7 @@ void haft_layout_destroy(haft_layout **layout) {
     haft_memory_free((*layout)->shape);
     haft_memory_free((*layout)->area);
     haft_memory_free((*layout)->top);
+    haft_memory_free((*layout)->term);
     haft_memory_free((*layout)->share);
     haft_memory_free((*layout)->dof);
     haft_memory_free((*layout)->slot);
@@ -178,8 +184,9 @@ HAFT_INLINE void displace_shared(const haft_layout *layout, const haft_run *run,
 HAFT_INLINE void displace(const haft_model *model, const haft_stretch *s, const double *u,
                           const double *gap, double *out) {
     const haft_layout *layout = model->layout;
-    for (size_t n = 0; n < s->runs; n++) {
-        const haft_run *run = &layout->run[s->first_run + n];
+    size_t sites = haft_stretch_sites(model, s), end = s->first + sites;
+    const haft_run *run = &layout->run[s->first_run];
+    for (size_t n = 0; n < s->runs && run->first < end; n++, run++) {
         double *to = out + (run->first - s->first);
         const int *dof = layout->dof + run->first;
         if (run->whole) {
@@ -190,14 +197,14 @@ HAFT_INLINE void displace(const haft_model *model, const haft_stretch *s, const 
             displace_shared(layout, run, v, gap, to);
         } else {
             const double *shape = layout->shape + run->first;
-            for (size_t i = 0; i < run->sites; i++) {
+            for (size_t i = 0; i < run->sites && run->first + i < end; i++) {
                 double w = shape[i] * u[dof[i]];
                 to[i] = gap != NULL ? *gap - w : w;
             }
         }
     }
     for (size_t k = 0; k < LANES; k++) {
-        out[s->sites + k] = gap != NULL ? *gap : 0;
+        out[sites + k] = gap != NULL ? OUT_OF_REACH : 0;
     }
 }
 
@@ -248,104 +255,97 @@ size_t haft_model_clear_sites(const haft_model *model, const double *u, const do
     return model->inert;
 }
 
-static void scatter_nodes(const haft_layout *layout, const haft_run *run, const double *force,
-                          const double *stiffness, double *gradient, double *hessian) {
-    const double *shape = layout->shape + run->first;
-    const int *dof = layout->dof + run->first, *slot = layout->slot + run->first;
-    for (size_t i = 0; i < run->sites && gradient != NULL; i++) {
+static void scatter_nodes(const haft_layout *layout, size_t first, size_t sites,
+                          const double *force, const double *stiffness, double *gradient,
+                          double *hessian) {
+    const double *shape = layout->shape + first;
+    const int *dof = layout->dof + first, *slot = layout->slot + first;
+    for (size_t i = 0; i < sites && gradient != NULL; i++) {
         gradient[dof[i]] += force[i] * shape[i];
     }
-    for (size_t i = 0; i < run->sites && hessian != NULL; i++) {
+    for (size_t i = 0; i < sites && hessian != NULL; i++) {
         hessian[slot[i]] += stiffness[i] * (shape[i] * shape[i]);
     }
 }
 
-/* to[4] += q, by halves: neighbouring elements share two unknowns, and a processor reads back at
- * once what it has just written only if that was written in one piece. */
-HAFT_INLINE void add_quad(double *to, const quad *q) {
-    *(pair *)to += __builtin_shufflevector(*q, *q, 0, 1);
-    *(pair *)(to + 2) += __builtin_shufflevector(*q, *q, 2, 3);
-}
-
-/* Forces that a run of sites gives its four unknowns. */
-HAFT_INLINE void sum_forces(const double *share, size_t sites, const double *force, quad *sum) {
-    quad s0 = {0};
-    const quad *part = (const quad *)share;
-    for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
-        s0 += force[i] * part[0];
-    }
-    *sum = s0;
-}
-
-/* Forces and columns of stiffness that a run of sites gives its four unknowns. */
-HAFT_INLINE void sum_shares(const double *share, size_t sites, const double *force,
-                            const double *stiffness, quad sum[HAFT_COLUMNS]) {
-    quad s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0}, s4 = {0};
-    const quad *part = (const quad *)share;
-    for (size_t i = 0; i < sites; i++, part += HAFT_COLUMNS) {
-        s0 += force[i] * part[0];
-        s1 += stiffness[i] * part[1];
-        s2 += stiffness[i] * part[2];
-        s3 += stiffness[i] * part[3];
-        s4 += stiffness[i] * part[4];
-    }
-    sum[0] = s0, sum[1] = s1, sum[2] = s2, sum[3] = s3, sum[4] = s4;
-}
-
-HAFT_INLINE void scatter_whole(const haft_layout *layout, const int *slot, size_t r,
-                               const quad sum[HAFT_COLUMNS], double *gradient, double *hessian) {
-    if (gradient != NULL) {
-        add_quad(gradient + layout->dof[r], &sum[0]);
-    }
-    for (int j = 0; j < HAFT_SPAN && hessian != NULL; j++) {
-        add_quad(hessian + slot[j], &sum[1 + j]); /* from row 0 of column j on */
-    }
-}
-
-static void scatter_part(const haft_site *site, const int *slot, const quad sum[HAFT_COLUMNS],
-                         double *gradient, double *hessian) {
-    for (int i = 0; i < site->terms; i++) {
-        if (gradient != NULL) {
-            gradient[site->dof[i]] += sum[0][i];
-        }
-        for (int j = 0; j < site->terms && hessian != NULL; j++) {
-            hessian[slot[i * HAFT_SPAN + j]] += sum[1 + j][i];
+/* A run across an element of which not all is there: a clamp, or what is no beam. */
+static void scatter_part(const haft_model *model, const haft_run *run, const double *force,
+                         const double *stiffness, double *gradient, double *hessian) {
+    const haft_site *site = &model->site[run->first];
+    const int *slot = model->site_slot + run->first * ENTRIES;
+    for (size_t r = 0; r < run->sites; r++) {
+        const double *shape = site[r].shape;
+        for (int i = 0; i < site->terms; i++) {
+            if (gradient != NULL) {
+                gradient[site->dof[i]] += force[r] * shape[i];
+            }
+            for (int j = 0; j < site->terms && hessian != NULL; j++) {
+                hessian[slot[i * HAFT_SPAN + j]] += stiffness[r] * (shape[i] * shape[j]);
+            }
         }
     }
 }
 
-HAFT_INLINE bool any(const double *v, size_t n) {
-    for (size_t i = 0; i < n; i++) {
-        if (v[i] != 0) {
-            return true;
-        }
+/* Forces that a run of sites gives its four unknowns, which are written by halves: neighbouring
+ * elements share two, and a processor reads back at once what it has just written only if that was
+ * written in one piece. */
+HAFT_INLINE void scatter_forces(const double *term, size_t sites, const double *force, double *to) {
+    quad sum = {0};
+    for (size_t i = 0; i < sites; i++, term += HAFT_SPAN) {
+        sum += force[i] * *(const quad *)term;
     }
-    return false;
+    *(pair *)to += __builtin_shufflevector(sum, sum, 0, 1);
+    *(pair *)(to + 2) += __builtin_shufflevector(sum, sum, 2, 3);
 }
 
-HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stretch *s,
+/* The same of two columns of stiffness, each to its own place from its first row on. */
+HAFT_INLINE void add_columns(double *hessian, const int *slot, const octet *columns) {
+    double *first = hessian + slot[0], *second = hessian + slot[1];
+    *(pair *)first += __builtin_shufflevector(*columns, *columns, 0, 1);
+    *(pair *)(first + 2) += __builtin_shufflevector(*columns, *columns, 2, 3);
+    *(pair *)second += __builtin_shufflevector(*columns, *columns, 4, 5);
+    *(pair *)(second + 2) += __builtin_shufflevector(*columns, *columns, 6, 7);
+}
+
+HAFT_INLINE void scatter_stiffness(const double *share, size_t sites, const double *stiffness,
+                                   const int *slot, double *hessian) {
+    octet near = {0}, far = {0};
+    for (size_t i = 0; i < sites; i++, share += ENTRIES) {
+        near += stiffness[i] * *(const octet *)share;
+        far += stiffness[i] * *(const octet *)(share + ENTRIES / 2);
+    }
+    add_columns(hessian, slot, &near);
+    add_columns(hessian, slot + 2, &far);
+}
+
+HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t nil,
                                        const double *force, const double *stiffness,
                                        double *gradient, double *hessian) {
     const haft_layout *layout = model->layout;
-    for (size_t n = 0; n < s->runs; n++) {
-        const haft_run *run = &layout->run[s->first_run + n];
-        const double *f = force + (run->first - s->first), *k = stiffness + (run->first - s->first);
-        if (!run->shared) {
-            scatter_nodes(layout, run, f, k, gradient, hessian);
-        } else if (any(f, run->sites) || (hessian != NULL && any(k, run->sites))) {
-            quad sum[HAFT_COLUMNS];
-            const int *slot = model->site_slot + run->first * ENTRIES;
-            const double *share = layout->share + run->alike * HAFT_SHARES;
-            if (hessian == NULL) {
-                sum_forces(share, run->sites, f, sum);
-            } else {
-                sum_shares(share, run->sites, f, k, sum);
+    size_t start = s->first + nil, end = s->first + haft_stretch_sites(model, s);
+    const haft_run *run = &layout->run[s->first_run];
+    for (size_t n = 0; n < s->runs && run->first < end; n++, run++) {
+        size_t first = run->first, past = first + run->sites;
+        if (past <= start) {
+            continue;
+        }
+        const double *f = force + (first - s->first), *k = stiffness + (first - s->first);
+        if (run->whole) {
+            const double *term = layout->term + run->alike * HAFT_SPAN;
+            if (gradient != NULL) {
+                scatter_forces(term, run->sites, f, gradient + layout->dof[first]);
             }
-            if (run->whole) {
-                scatter_whole(layout, slot, run->first, sum, gradient, hessian);
-            } else {
-                scatter_part(&model->site[run->first], slot, sum, gradient, hessian);
+            if (hessian != NULL) {
+                scatter_stiffness(layout->share + run->alike * ENTRIES, run->sites, k,
+                                  model->site_slot + first * ENTRIES, hessian);
             }
+        } else if (run->shared) {
+            scatter_part(model, run, f, k, gradient, hessian);
+        } else {
+            size_t skipped = first < start ? start - first : 0;
+            past = past < end ? past : end;
+            scatter_nodes(layout, first + skipped, past - first - skipped, f + skipped, k + skipped,
+                          gradient, hessian);
         }
     }
 }
@@ -360,6 +360,6 @@ void haft_model_displacements(const haft_model *model, const double *v, double *
 void haft_model_add_forces(const haft_model *model, const double *force, double *y) {
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
-        haft_stretch_assemble(model, s, force + s->first, force + s->first, y, NULL);
+        haft_stretch_assemble(model, s, 0, force + s->first, force + s->first, y, NULL);
     }
 }

@@ -5,25 +5,33 @@
 
 #include "haft/beam.h"
 
-/* Two neighbouring unknowns, as a node's deflection and rotation are. */
+/* Two neighbouring unknowns, as a node's deflection and rotation are, and their bits. */
 typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+typedef int64_t pair_bits __attribute__((vector_size(16), aligned(8)));
 
-/* Four neighbouring numbers, such as a column of shares, and their bits. */
+/* Four neighbouring numbers, such as a column of shares, and their bits; two columns. */
 typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double octet __attribute__((vector_size(64), aligned(8), may_alias));
 typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8)));
 
 static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-/* Sites whose laws are evaluated together, and the room that arrays of them need: work is done in
- * whole lanes, which may run over a stretch's end. */
-enum { HAFT_STRETCH = 32, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
+/* Sites that are evaluated together, all but the longest beams' at once, and the room that arrays
+ * of them need: work is done in whole lanes, which may run over a stretch's end. */
+enum { HAFT_STRETCH = 256, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
 
-/* A stretch of sites, and which runs lie in it. */
+/* A stretch of sites, and which runs lie in it; of a model's front, whose sites may end within the
+ * last, those up to there. */
 typedef struct haft_stretch {
     size_t first, sites, first_run, runs;
 } haft_stretch;
+
+static inline size_t haft_stretch_sites(const haft_model *model, const haft_stretch *s) {
+    size_t left = model->sites - s->first;
+    return s->sites < left ? s->sites : left;
+}
 
 /* Neighbouring sites of a stretch that share their unknowns, or that have one unknown each. */
 typedef struct haft_run {
@@ -34,10 +42,6 @@ typedef struct haft_run {
     bool whole; /* four unknowns in a row, so that each one's entries lie side by side */
 } haft_run;
 
-/* Columns of what a site gives its unknowns: its shape functions, and each one's products with all
- * of them, as they go into the gradient and the columns of the Hessian. */
-enum { HAFT_COLUMNS = 1 + HAFT_SPAN, HAFT_SHARES = HAFT_COLUMNS * HAFT_SPAN };
-
 struct haft_layout {
     size_t runs, idle; /* of the sites that take part, and, after those, of the inert ones */
     size_t stride;
@@ -46,7 +50,8 @@ struct haft_layout {
     double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
     double *area;    /* stride: [m^2], nil from the last site on */
     double *top;     /* stride: the greatest of a site's shapes in size [m] */
-    double *share;   /* HAFT_SHARES a site */
+    double *term;    /* HAFT_SPAN a site: the same, a site's side by side */
+    double *share;   /* HAFT_SPAN^2 a site: products of its shapes, by columns of the Hessian */
     int *dof, *slot; /* of each site: its first unknown, and that one's place on the diagonal */
     size_t element_runs;
     size_t *element_run; /* the first elements of runs that are alike and lie side by side */
@@ -75,8 +80,9 @@ void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, 
 void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u, double *d);
 
 /* Forces [1/m] along, and stiffnesses [1/m^2] against, the displacements of a stretch's sites, in
- * units of energy, into the sums; either sum may be NULL. */
-void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, const double *force,
-                           const double *stiffness, double *gradient, double *hessian);
+ * units of energy, into the sums; either sum may be NULL. The first `nil` sites' are nil. */
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t nil,
+                           const double *force, const double *stiffness, double *gradient,
+                           double *hessian);
 
 #endif

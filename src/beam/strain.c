@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Strain energy and its forces, element by element through the deformation modes, deflections
- * subtracted first. Neighbours that are alike, as all of a mesh are but a few, are done in blocks
- * of as many as a vector has lanes; forces are the same to the bit either way. */
+ * subtracted first. Neighbours that are alike, as all of a mesh are but a few, are gone through
+ * from node to node, a node's two unknowns in the lanes of a vector. */
 #include "sites.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = HAFT_LAW_LANES, BLOCK_DOFS = 2 * BLOCK };
-
-/* Sums over elements: energy [units of energy], and how much it moves as each unknown is rounded,
- * in units of 2^-53; the greatest force. Side by side, for blocks. */
+/* Sums over elements: energy [units of energy], how much it moves as each unknown is rounded, in
+ * units of 2^-53, and the greatest force. Side by side for a node's two unknowns. */
 typedef struct sums {
-    double energy[BLOCK], moved[BLOCK_DOFS], largest[BLOCK_DOFS];
+    pair energy, moved, largest;
 } sums;
 
 /* An element's unknowns, or the forces on them, by nodes. */
@@ -47,9 +45,18 @@ static inline void add_to_node(const int *dof, pair force, double *y) {
     }
 }
 
+static inline pair size_of(pair v) {
+    return (pair)((pair_bits)v & INT64_MAX);
+}
+
+static inline pair larger_of(pair a, pair b) {
+    const pair_bits a_is = a > b;
+    return (pair)(((pair_bits)a & a_is) | ((pair_bits)b & ~a_is));
+}
+
 static inline void weigh_node(const int *dof, pair force, pair value, sums *s) {
+    s->moved += size_of(force * value);
     for (int k = 0; k < 2; k++) {
-        s->moved[k] += fabs(force[k] * value[k]);
         s->largest[k] = dof[k] < 0 ? s->largest[k] : larger(s->largest[k], fabs(force[k]));
     }
 }
@@ -70,44 +77,58 @@ static void add_element(const haft_element *element, const double *u, double *gr
     }
 }
 
-/* BLOCK beam elements alike whose unknowns begin at u: forces on their near and far nodes. */
-static inline void block_forces(const haft_element *element, const double *restrict u,
-                                double *restrict near, double *restrict far,
-                                double *restrict energy) {
+/* A run's numbers as its nodes' lanes take them, from a beam's modes (1, turn, -1, 0) and (1, 0,
+ * -1, far_turn). */
+typedef struct run_numbers {
+    pair turns, own,
+        mixed;      /* q = fall + turns * rotations, m = own * q + mixed * (q turned over) */
+    pair near, far; /* forces: of (m0 + m1, m0) on the near node, (m0 + m1, m1) the far */
+} run_numbers;
+
+static inline run_numbers number_run(const haft_element *element) {
     const double *d = element->stiffness;
     double turn = element->mode[0][1], far_turn = element->mode[1][3];
-    for (size_t k = 0; k < BLOCK; k++) {
-        double fall = u[2 * k] - u[2 * k + 2];
-        double q0 = fall + turn * u[2 * k + 1], q1 = fall + far_turn * u[2 * k + 3];
-        double m0 = d[0] * q0 + d[1] * q1, m1 = d[1] * q0 + d[2] * q1;
-        energy[k] += q0 * m0 + q1 * m1;
-        near[2 * k] = m0 + m1;
-        near[2 * k + 1] = turn * m0;
-        far[2 * k] = -(m0 + m1);
-        far[2 * k + 1] = far_turn * m1;
-    }
+    return (run_numbers){{turn, far_turn}, {d[0], d[2]}, {d[1], d[1]}, {1, turn}, {-1, far_turn}};
 }
 
-/* The first n elements of a run, in whole blocks. */
-HAFT_CLONES static void add_blocks(const haft_element *element, size_t n, const double *restrict u,
-                                   double *restrict gradient, bool weigh, sums *restrict s) {
-    double near[BLOCK_DOFS], far[BLOCK_DOFS];
-    const double *v = u + element->dof[0];
-    for (size_t e = 0; e < n; e += BLOCK, v += BLOCK_DOFS) {
-        block_forces(element, v, near, far, s->energy);
+/* What is asked for beside energy and forces. */
+typedef enum asked { NO_MORE, MOVED, LARGEST_TOO } asked;
+
+/* Elements alike side by side, the first of which may begin at a clamp. */
+HAFT_INLINE void add_run(const haft_element *element, size_t elements, const double *u,
+                         double *gradient, asked more, sums *s) {
+    const run_numbers number = number_run(element);
+    bool clamped = element->dof[0] < 0;
+    pair here = clamped ? (pair){0, 0} : *(const pair *)(u + element->dof[0]), before = {0, 0};
+    const double *next = u + element->dof[2];
+    double *g = gradient != NULL ? gradient + element->dof[2] : NULL;
+    for (size_t e = 0; e < elements; e++) {
+        const pair there = *(const pair *)(next + 2 * e), way = here - there;
+        const pair rotations = __builtin_shufflevector(here, there, 1, 3);
+        const pair q = __builtin_shufflevector(way, way, 0, 0) + number.turns * rotations;
+        const pair m = number.own * q + number.mixed * __builtin_shufflevector(q, q, 1, 0);
+        s->energy += q * m;
         if (gradient != NULL) {
-            double *g = gradient + (v - u);
-            for (size_t i = 0; i < BLOCK_DOFS; i++) {
-                g[i] += near[i];
+            const pair sum = m + __builtin_shufflevector(m, m, 1, 0);
+            const pair near = number.near * __builtin_shufflevector(sum, m, 0, 2);
+            const pair far = number.far * __builtin_shufflevector(sum, m, 0, 3);
+            bool held = clamped && e == 0;
+            if (!held) {
+                *(pair *)(g + 2 * e - 2) += before + near;
             }
-            for (size_t i = 0; i < BLOCK_DOFS; i++) {
-                g[i + 2] += far[i];
+            if (more >= MOVED) {
+                s->moved += size_of(near * here) + size_of(far * there);
             }
+            if (more >= LARGEST_TOO) {
+                s->largest = larger_of(s->largest, size_of(far));
+                s->largest = held ? s->largest : larger_of(s->largest, size_of(near));
+            }
+            before = far;
         }
-        for (size_t i = 0; i < BLOCK_DOFS && weigh; i++) {
-            s->moved[i] += fabs(near[i] * v[i]) + fabs(far[i] * v[i + 2]);
-            s->largest[i] = larger(s->largest[i], larger(fabs(near[i]), fabs(far[i])));
-        }
+        here = there;
+    }
+    if (gradient != NULL) {
+        *(pair *)(g + 2 * elements - 2) += before;
     }
 }
 
@@ -121,8 +142,10 @@ static bool is_beam(const haft_element *e) {
 static bool continues(const haft_element *first, const haft_element *e, int behind) {
     bool alike = is_beam(first) && memcmp(first->mode, e->mode, sizeof e->mode) == 0 &&
                  memcmp(first->stiffness, e->stiffness, sizeof e->stiffness) == 0;
+    bool clamped = first->dof[0] < 0 && first->dof[1] < 0;
+    alike = alike && (clamped || is_node(first->dof)) && is_node(first->dof + 2);
     for (int k = 0; alike && k < HAFT_SPAN; k++) {
-        alike = first->dof[0] >= 0 && e->dof[k] == first->dof[0] + 2 * behind + k;
+        alike = e->dof[k] == first->dof[2] + 2 * (behind - 1) + k;
     }
     return alike;
 }
@@ -138,34 +161,37 @@ size_t haft_strain_find_runs(const haft_model *model, size_t *run) {
     return runs;
 }
 
-double haft_strain(const haft_model *model, const double *u, double *gradient, double *largest,
-                   double *rounding) {
-    sums s = {{0}, {0}, {0}};
-    bool weigh = gradient != NULL && (largest != NULL || rounding != NULL);
+HAFT_CLONES static void add_runs(const haft_model *model, const double *u, double *gradient,
+                                 asked more, sums *out) {
+    sums s = {{0, 0}, {0, 0}, {0, 0}};
     const haft_layout *layout = model->layout;
     for (size_t r = 0; r < layout->element_runs && layout->element_run[r] < model->elements; r++) {
         size_t e = layout->element_run[r];
         size_t end = r + 1 < layout->element_runs ? layout->element_run[r + 1] : model->elements;
         end = end < model->elements ? end : model->elements;
-        size_t blocks = (end - e) / BLOCK * BLOCK;
-        if (blocks > 0) {
-            add_blocks(&model->element[e], blocks, u, gradient, weigh, &s);
-        }
-        for (e += blocks; e < end; e++) {
+        if (end - e < 2) {
             add_element(&model->element[e], u, gradient, &s);
+        } else if (more == LARGEST_TOO) { /* a constant in each */
+            add_run(&model->element[e], end - e, u, gradient, LARGEST_TOO, &s);
+        } else if (more == MOVED) {
+            add_run(&model->element[e], end - e, u, gradient, MOVED, &s);
+        } else {
+            add_run(&model->element[e], end - e, u, gradient, NO_MORE, &s);
         }
     }
-    double energy = 0;
-    for (size_t k = 0; k < BLOCK; k++) {
-        energy += s.energy[k];
+    *out = s;
+}
+
+double haft_strain(const haft_model *model, const double *u, double *gradient, double *largest,
+                   double *rounding) {
+    asked more = largest != NULL ? LARGEST_TOO : rounding != NULL ? MOVED : NO_MORE;
+    sums s;
+    add_runs(model, u, gradient, more, &s);
+    if (rounding != NULL) {
+        *rounding += s.moved[0] + s.moved[1];
     }
-    for (size_t i = 0; i < BLOCK_DOFS && weigh; i++) {
-        if (rounding != NULL) {
-            *rounding += s.moved[i];
-        }
-        if (largest != NULL) {
-            *largest = larger(*largest, s.largest[i]);
-        }
+    if (largest != NULL) {
+        *largest = larger(*largest, larger(s.largest[0], s.largest[1]));
     }
-    return 0.5 * energy;
+    return 0.5 * (s.energy[0] + s.energy[1]);
 }

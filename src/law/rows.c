@@ -5,22 +5,30 @@
 #include "law/table.h"
 #include "law/wings.h"
 
+#include <math.h>
 #include <string.h>
 
-enum { LANES = HAFT_LAW_LANES, COLUMNS = 10 };
+enum { LANES = HAFT_LAW_LANES, COLUMNS = 11, WALL = 6, NIL = 10 };
 
 struct haft_law_rows {
     size_t laws, stride;
     haft_wings_bounds bounds; /* kept here, so that no compiler reckons with their values */
-    double *value;            /* COLUMNS rows of the wings' numbers, stride each */
+    double *value;            /* COLUMNS rows of the wings' numbers, stride each; beyond the gaps in
+                                 the last, nothing */
     size_t tables;            /* how many there are */
     haft_table_head *table;   /* laws: nil where not one */
 };
 
+/* A gap surely beyond which a law is nil by its evaluation, whose rounding it leaves room for. */
+static double nil_beyond(haft_wings w) {
+    return w.a_right > 0 ? fmax(w.d_max + (1 + 1e-9) * HAFT_LAW_NIL / w.a_right, w.wall_distance)
+                         : -INFINITY;
+}
+
 static void put(haft_law_rows *rows, size_t i, haft_wings w) {
-    const double number[COLUMNS] = {w.f_max,      w.d_max,         w.a_left,        w.a_right,
-                                    w.half_left,  w.length_right,  w.wall_distance, w.wall_force,
-                                    w.wall_slope, w.wall_potential};
+    const double number[COLUMNS] = {w.f_max,      w.d_max,          w.a_left,        w.a_right,
+                                    w.half_left,  w.length_right,   w.wall_distance, w.wall_force,
+                                    w.wall_slope, w.wall_potential, nil_beyond(w)};
     for (size_t k = 0; k < COLUMNS; k++) {
         rows->value[k * rows->stride + i] = number[k];
     }
@@ -64,15 +72,11 @@ void haft_law_rows_destroy(haft_law_rows **rows) {
     *rows = NULL;
 }
 
-HAFT_INLINE bool is_nil(const double *v, size_t stride, double d) {
-    return (v[3 * stride] * (d - v[stride]) > HAFT_LAW_NIL) & (d >= v[6 * stride]);
-}
-
 /* Whether none of LANES laws is anything: a free span. Beams lie down from their ends, so that the
  * last of them tells first. */
 HAFT_INLINE bool all_nil(const double *v, size_t stride, const double *d) {
     size_t i = LANES;
-    while (i > 0 && is_nil(v + i - 1, stride, d[i - 1])) {
+    while (i > 0 && d[i - 1] > v[NIL * stride + i - 1]) {
         i--;
     }
     return i == 0;
@@ -117,7 +121,7 @@ typedef int64_t quad_bits __attribute__((vector_size(32)));
  * walls. By hand, since compilers see no vector in it. */
 HAFT_INLINE bool any_behind_wall(const double *v, size_t stride, const double *d) {
     _Static_assert(LANES == 8, "lanes are two quads");
-    const quad *gap = (const quad *)d, *wall = (const quad *)(v + 6 * stride);
+    const quad *gap = (const quad *)d, *wall = (const quad *)(v + WALL * stride);
     const quad_bits first = gap[0] < wall[0], second = gap[1] < wall[1], any = first | second;
     return (any[0] | any[1] | any[2] | any[3]) != 0;
 }
@@ -141,27 +145,27 @@ HAFT_INLINE void set_nil(asked what, const haft_law_values *out, size_t i) {
     }
 }
 
-HAFT_INLINE bool evaluate_asked(const haft_law_rows *rows, size_t first, size_t n, const double *d,
-                                asked what, const haft_law_values *out) {
-    bool felt = false;
+HAFT_INLINE size_t evaluate_asked(const haft_law_rows *rows, size_t first, size_t n,
+                                  const double *d, asked what, const haft_law_values *out) {
+    size_t nil = 0;
     for (size_t i = 0; i < n; i += LANES) {
         const double *v = rows->value + first + i;
         if (all_nil(v, rows->stride, d + i)) {
             set_nil(what, out, i);
+            nil += nil == i ? LANES : 0;
             continue;
         }
-        felt = true;
         if (any_behind_wall(v, rows->stride, d + i)) {
             evaluate_from(rows, v, true, what, d, out, i);
         } else {
             evaluate_from(rows, v, false, what, d, out, i);
         }
     }
-    return felt;
+    return nil < n ? nil : n;
 }
 
-HAFT_CLONES static bool evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
-                                       const double *d, asked what, const haft_law_values *out) {
+HAFT_CLONES static size_t evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
+                                         const double *d, asked what, const haft_law_values *out) {
     switch (what) { /* what is asked for is a constant in each */
     case FORCE:
         return evaluate_asked(rows, first, n, d, FORCE, out);
@@ -172,17 +176,29 @@ HAFT_CLONES static bool evaluate_wings(const haft_law_rows *rows, size_t first, 
     }
 }
 
-bool haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
-                            const haft_law_values *out) {
+/* Of n laws evaluated, how many give nothing, from the first on, in whole lanes. */
+static size_t count_nil(size_t n, const haft_law_values *out) {
+    size_t i = 0;
+    while (i < n && out->force[i] == 0 &&
+           (out->slope == NULL || (out->slope[i] == 0 && out->potential[i] == 0)) &&
+           (out->curvature == NULL || out->curvature[i] == 0)) {
+        i++;
+    }
+    return i < n ? i / LANES * LANES : n;
+}
+
+size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                              const haft_law_values *out) {
     asked what = out->slope == NULL ? FORCE : out->curvature == NULL ? NO_CURVATURE : ALL;
-    bool felt = rows->tables > 0;
+    size_t nil = 0;
     if (rows->tables < rows->laws) {
-        felt |= evaluate_wings(rows, first, n, d, what, out);
+        nil = evaluate_wings(rows, first, n, d, what, out);
     } else if (n > 0) {
         set_nil(what, out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
     }
     if (rows->tables > 0) {
         haft_law_tables_evaluate(rows->table + first, n, d, out);
+        nil = count_nil(n, out);
     }
-    return felt;
+    return nil;
 }

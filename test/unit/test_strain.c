@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Elements done in blocks against the same one by one, and what their forces weigh. */
+/* Elements done in runs against the same one by one, and what their forces weigh. */
 #include "evaluate.h"
 #include "random_beam.h"
 
@@ -41,8 +41,8 @@ static void bend(const haft_model *model, double *u) {
     }
 }
 
-/* Beams of every number of elements about whole blocks, and one whose load splits an element. */
-static void blocks_give_the_forces_of_each_element(void **state) {
+/* Beams of every number of elements, and one whose load splits an element. */
+static void runs_give_the_forces_of_each_element(void **state) {
     (void)state;
     for (size_t elements = 1; elements <= 41; elements++) {
         haft_beam_spec beam = {3e-6 * (double)elements, 30e-6, 2.62e-6, 1.9e-6, 163e9};
@@ -89,7 +89,7 @@ static void their_energy_and_greatest_force_are_each_elements(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_give_the_forces_of_each_element),
+        cmocka_unit_test(runs_give_the_forces_of_each_element),
         cmocka_unit_test(their_energy_and_greatest_force_are_each_elements),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What sites give a beam, energy, forces and stiffness, against a plain sum over them: on meshes
+ * with a node a site and with many sites an element, as few as share a vector and more than are
+ * evaluated at once, in free span and behind walls. */
+#include "random_beam.h"
+
+enum { MOST = 1300 };
+
+static const haft_mesh_spec MESHES[] = {
+    {HAFT_MESH_EXACT, 0, 1e-6, 60e-6, 0},       {HAFT_MESH_ACTIVE, 0, 1e-6, 60e-6, 120e-6},
+    {HAFT_MESH_UNIFORM, 15e-6, 1e-6, 60e-6, 0}, {HAFT_MESH_UNIFORM, 20e-6, 3e-6, 60e-6, 0},
+    {HAFT_MESH_UNIFORM, 75e-6, 1e-6, 60e-6, 0}, {HAFT_MESH_UNIFORM, 150e-6, 30e-6, 60e-6, 0}};
+
+typedef struct sums {
+    haft_energy energy;
+    double gradient[MOST], hessian[8 * MOST], gap[MOST], largest;
+} sums;
+
+static void feel(const haft_model *model, const haft_law *law, const double *u, sums *out) {
+    haft_law_rows *rows = NULL;
+    haft_error error = {0};
+    check_ok(haft_law_rows_create(&rows, model->sites, law, &error), error);
+    out->energy = haft_model_evaluate(model, rows, u, 1e-7, out->gradient, out->hessian,
+                                      &out->largest, out->gap, NULL);
+    double gradient[MOST];
+    haft_model_gradient(model, rows, u, 1e-7, gradient);
+    assert_memory_equal(gradient, out->gradient, model->dofs * sizeof *gradient);
+    haft_law_rows_destroy(&rows);
+}
+
+/* Adds the sites' sums to those of a beam that feels nothing. */
+static void add_sites(const haft_model *m, const haft_law *law, const double *u, sums *s) {
+    for (size_t r = m->inert; r < m->sites; r++) {
+        const haft_site *site = &m->site[r];
+        haft_law_value v = haft_law_evaluate(&law[r], m->gap - haft_model_displacement(site, u));
+        s->energy.contact += site->area * v.potential;
+        for (int i = 0; i < site->terms; i++) {
+            s->gradient[site->dof[i]] += site->area * v.force * site->shape[i] / m->energy_unit;
+            for (int j = 0; j < site->terms; j++) {
+                int slot = m->site_slot[(r * HAFT_SPAN + (size_t)i) * HAFT_SPAN + (size_t)j];
+                s->hessian[slot] -=
+                    site->area * v.slope * site->shape[i] * site->shape[j] / m->energy_unit;
+            }
+        }
+    }
+}
+
+static double greatest(const double *v, size_t n) {
+    double most = 0;
+    for (size_t i = 0; i < n; i++) {
+        most = fmax(most, fabs(v[i]));
+    }
+    return most;
+}
+
+static void check_alike(const double *a, const double *b, size_t n) {
+    double scale = greatest(b, n);
+    for (size_t i = 0; i < n; i++) {
+        assert_true(fabs(a[i] - b[i]) < 1e-13 * scale);
+    }
+}
+
+/* From the clamp into contact: the last third rests on the substrate, some of it behind walls. */
+static void lie_down(const haft_model *model, double *u) {
+    for (size_t i = 0; i < model->dofs; i++) {
+        double x = (double)(i / 2 + 1) / (double)(model->dofs / 2), y = fmin(1.5 * x, 1);
+        u[i] =
+            i % 2 == 0 ? 0.9945 * y * y * (3 - 2 * y) + 0.0015 * sin(40 * x) : 1e-4 * cos(40 * x);
+    }
+}
+
+static void sites_give_a_plain_sum(void **state) {
+    (void)state;
+    static sums felt, plain;
+    for (size_t k = 0; k < sizeof MESHES / sizeof *MESHES; k++) {
+        random_beam b = random_beam_create(3, MESHES[k]);
+        const haft_model *m = b.model;
+        haft_error error = {0};
+        haft_law *none = haft_memory_alloc(m->sites, sizeof *none, &error);
+        assert_non_null(none);
+        for (size_t r = 0; r < m->sites; r++) {
+            haft_law_vector v = {1e-3, 1e6, -1.0, -1.0 - 1e-9};
+            assert_int_equal(haft_law_morse(&none[r], &v, 1e6), HAFT_LAW_SOUND);
+        }
+        double u[MOST];
+        lie_down(m, u);
+        feel(m, b.law, u, &felt);
+        feel(m, none, u, &plain);
+        size_t behind = 0;
+        for (size_t r = m->inert; r < m->sites; r++) {
+            behind += felt.gap[r] < b.law[r].wall_distance;
+            assert_true(felt.gap[r] == plain.gap[r]);
+        }
+        assert_true(behind > 0 || m->sites < 40);
+        double contact = felt.energy.contact;
+        add_sites(m, b.law, u, &plain);
+        assert_true(fabs(contact) > 0);
+        check_near(contact, plain.energy.contact, 1e-13 * fabs(contact) + 0x1p-52 * m->energy_unit);
+        check_alike(felt.gradient, plain.gradient, m->dofs);
+        check_alike(felt.hessian, plain.hessian, m->nonzeros);
+        haft_memory_free(none);
+        random_beam_destroy(&b);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sites_give_a_plain_sum),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
