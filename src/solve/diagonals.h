@@ -12,8 +12,9 @@ haft_status haft_diagonals_create(haft_diagonals **out, size_t n, const int *col
                                   const double *values, haft_error *error);
 void haft_diagonals_destroy(haft_diagonals **diagonals);
 
-/* y += factor * A x, A the leading n rows and columns of the matrix. Thread-safe. */
+/* out = factor * A x - less, A the leading n rows and columns of the matrix, `less` NULL for nil.
+ * Thread-safe. */
 void haft_diagonals_multiply(const haft_diagonals *diagonals, size_t n, double factor,
-                             const double *x, double *y);
+                             const double *x, const double *less, double *out);
 
 #endif

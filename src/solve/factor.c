@@ -156,6 +156,17 @@ bool haft_factor_update(haft_factor *factor, const double *values) {
            factor->common.status == KLU_OK;
 }
 
+bool haft_factor_update_solve(haft_factor *factor, const double *values, double *b) {
+    if (factor->narrow != NULL) {
+        return haft_narrow_update_solve(factor->narrow, values, b);
+    }
+    if (!haft_factor_update(factor, values)) {
+        return false;
+    }
+    haft_factor_solve(factor, b, 1);
+    return true;
+}
+
 void haft_factor_solve(haft_factor *factor, double *b, int columns) {
     if (factor->narrow == NULL) {
         klu_solve(&factor->leading, factor->numeric, factor->n, columns, b, &factor->common);

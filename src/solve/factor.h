@@ -26,6 +26,10 @@ bool haft_factor_lead(haft_factor *factor, size_t n);
 /* Refactors. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);
 
+/* The same, and solves for one right-hand side in place, which costs less than to do so after it.
+ * @return false if a pivot vanished or is not finite: then b holds nothing of use. */
+bool haft_factor_update_solve(haft_factor *factor, const double *values, double *b);
+
 /* Solves in place for `columns` right-hand sides of length n, one after the other; up to four
  * together cost KLU little more than one. */
 void haft_factor_solve(haft_factor *factor, double *b, int columns);

@@ -46,15 +46,13 @@ enum { HELD_STEPS = 8, SPARE_SITES = 8, LEAST_SPARE = 2 };
 #define MARGIN 0.8
 
 /* ROS3 in the form that needs no products with H: stage i solves
- * (M/(gamma dt) + H) k_i = -grad Pi(u + sum_j a_ij k_j) + M sum_j c_ij k_j / dt; the result is
- * u + sum_i m_i k_i, its embedded error sum_i e_i k_i. */
+ * (M/(gamma dt) + H) k_i = -grad Pi(v_i) + M sum_j c_ij k_j / dt, v_1 = u and v_2 = v_3 = u + k_1;
+ * the result is u + sum_i m_i k_i, its embedded error sum_i e_i k_i. */
 #define GAMMA 0.43586652150845899941601945119356
-static const double STAGE[STAGES][STAGES] = {{0}, {1}, {1, 0}};
 static const double COUPLING[STAGES][STAGES] = {
     {0},
     {-1.0156171083877702091975600115545},
     {4.0759956452537699824805835358067, 9.2076794298330791242156818474003}};
-static const bool NEW_STATE[STAGES] = {false, true, false};
 static const double RESULT[STAGES] = {1, 6.1697947043828245592553615689730,
                                       -0.42772256543218573326238373806514};
 static const double DEFECT[STAGES] = {0.5, -2.9079558716805469821718236208017,
@@ -68,10 +66,11 @@ HAFT_CLONES static void add_scaled(size_t n, const double *a, double factor, con
     }
 }
 
-static bool factor_damped(haft_tracker *t, double dt) {
+/* Factors what a step of dt solves with, and solves for b. @return whether it is definite */
+static bool solve_damped(haft_tracker *t, double dt, double *b) {
     add_scaled(t->model->nonzeros, t->hessian, 1 / (GAMMA * dt), t->model->mass, t->matrix);
-    haft_tracker_count_factorization(t);
-    return haft_factor_update(t->factor, t->matrix) && haft_factor_inertia(t->factor).negative == 0;
+    return haft_tracker_factor_solve(t, t->matrix, b) &&
+           haft_factor_inertia(t->factor).negative == 0;
 }
 
 HAFT_CLONES static void scale(size_t n, double factor, const double *a, double *out) {
@@ -105,25 +104,22 @@ HAFT_CLONES static void conclude(size_t n, const double *u, double *const *stage
 /* One step from `from`, whose gradient and Hessian are at hand and stay so, into `to`; its embedded
  * error is left in t->scratch[0]. @return false if it must be shorter. */
 static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt) {
-    if (!factor_damped(t, dt)) {
+    scale(t->n, -1, t->gradient, t->stage[0]);
+    if (!solve_damped(t, dt, t->stage[0])) {
         return false;
     }
     double *sum = t->scratch[0];
     const double *gradient = t->gradient;
-    for (int i = 0; i < STAGES; i++) {
-        if (NEW_STATE[i]) {
-            combine(t->n, t->stage, STAGE[i], i, sum);
-            add_scaled(t->n, from->u, 1, sum, to->u);
+    for (int i = 1; i < STAGES; i++) {
+        if (i == 1) {
+            add_scaled(t->n, from->u, 1, t->stage[0], to->u);
             if (!haft_tracker_gradient(t, to->u, to->load, t->other.gradient)) {
                 return false;
             }
             gradient = t->other.gradient;
         }
-        scale(t->n, -1, gradient, t->stage[i]);
-        if (i > 0) {
-            combine(t->n, t->stage, COUPLING[i], i, sum);
-            haft_tracker_add_mass(t, 1 / dt, sum, t->stage[i]);
-        }
+        combine(t->n, t->stage, COUPLING[i], i, sum);
+        haft_tracker_multiply_mass(t, 1 / dt, sum, gradient, t->stage[i]);
         haft_tracker_solve(t, t->stage[i]);
     }
     conclude(t->n, from->u, t->stage, to->u, sum);
@@ -146,16 +142,12 @@ static bool is_settling(flow_step before, flow_step last) {
 
 /* Whether the state evaluated last is stable and Newton would move it little. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
-    haft_tracker_count_factorization(t);
-    if (!haft_factor_update(t->factor, t->hessian) ||
+    double *step = t->scratch[1];
+    scale(t->n, -1, t->gradient, step);
+    if (!haft_tracker_factor_solve(t, t->hessian, step) ||
         haft_factor_inertia(t->factor).negative != 0) {
         return false;
     }
-    double *step = t->scratch[1];
-    for (size_t i = 0; i < t->n; i++) {
-        step[i] = -t->gradient[i];
-    }
-    haft_tracker_solve(t, step);
     return haft_tracker_move(t, state->gap, step, NULL) < ARRIVAL;
 }
 
@@ -184,8 +176,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
 /* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */
 static double departure_rate(haft_tracker *t, const double *v) {
     double *mv = t->scratch[3], down = 0, weight = 0;
-    memset(mv, 0, t->n * sizeof *mv);
-    haft_tracker_add_mass(t, 1, v, mv);
+    haft_tracker_multiply_mass(t, 1, v, NULL, mv);
     for (size_t i = 0; i < t->n; i++) {
         down -= t->gradient[i] * v[i];
         weight += v[i] * mv[i];

@@ -22,6 +22,13 @@ typedef struct narrow_row {
     lanes inverse, l[HALF];
 } narrow_row;
 
+/* Two rows of it, so laid out that what comes behind both waits for two operations' length less
+ * than for one row after the other: the first's share of the second, the second's shares of the
+ * three behind it, and the first's of the next two with what goes there through the second. */
+typedef struct narrow_pair {
+    lanes inverse[2], within, l[HALF], through[2];
+} narrow_pair;
+
 /* Where a column's entries lie in the pattern: its diagonal, and how many follow and precede it. */
 typedef struct narrow_column {
     int diagonal, below, above;
@@ -30,11 +37,12 @@ typedef struct narrow_column {
 struct haft_narrow {
     size_t n, steps, core; /* rows eliminated in each lane; 3 or 4 are left between them */
     narrow_column *column;
-    narrow_row *row;
+    narrow_pair *pair;         /* of an odd number of rows the first has none behind it */
     lanes *y;                  /* steps: a right-hand side */
     lanes least, largest;      /* of the rows' pivots: the least, and the greatest in size */
     lane_counts negative;      /* and how many are not positive */
-    double middle[CORE][CORE]; /* what is left, factored: L below D */
+    double middle[CORE][CORE]; /* what is left, factored: L below D; three are four with a one */
+    double inverse[CORE];      /* of that D */
 };
 
 /* Notes where column j's entries lie; false if not all of them within the band, without a gap. */
@@ -60,9 +68,9 @@ haft_status haft_narrow_create(haft_narrow **out, size_t n, const int *column, c
         return HAFT_OK;
     }
     narrow->column = haft_memory_alloc(n, sizeof *narrow->column, error);
-    narrow->row = haft_memory_alloc(narrow->steps, sizeof *narrow->row, error);
+    narrow->pair = haft_memory_alloc(narrow->steps / 2 + 1, sizeof *narrow->pair, error);
     narrow->y = haft_memory_alloc(narrow->steps, sizeof *narrow->y, error);
-    bool made = narrow->column && narrow->row && narrow->y, fits = made;
+    bool made = narrow->column && narrow->pair && narrow->y, fits = made;
     for (size_t j = 0; j < n && fits; j++) {
         fits = find_column(&narrow->column[j], (int)j, row, column[j], column[j + 1]);
     }
@@ -88,7 +96,7 @@ void haft_narrow_destroy(haft_narrow **narrow) {
         return;
     }
     haft_memory_free((*narrow)->column);
-    haft_memory_free((*narrow)->row);
+    haft_memory_free((*narrow)->pair);
     haft_memory_free((*narrow)->y);
     haft_memory_free(*narrow);
     *narrow = NULL;
@@ -106,12 +114,16 @@ typedef struct corner {
     lanes a00, a01, a02, a11, a12, a22;
 } corner;
 
-static void factor_middle(haft_narrow *narrow, const double *values, const corner *taken) {
+/* What is left between the lanes, with what they take from it. */
+static void gather_middle(haft_narrow *narrow, const double *values, const corner *taken) {
     size_t size = narrow->core;
     const lanes share[HALF][HALF] = {{taken->a00, taken->a01, taken->a02},
                                      {taken->a01, taken->a11, taken->a12},
                                      {taken->a02, taken->a12, taken->a22}};
     double(*m)[CORE] = narrow->middle;
+    for (size_t b = 0; b < CORE; b++) {
+        m[CORE - 1][b] = b == CORE - 1;
+    }
     for (size_t a = 0; a < size; a++) {
         for (size_t b = 0; b <= a; b++) {
             const narrow_column *c = &narrow->column[narrow->steps + b];
@@ -121,15 +133,28 @@ static void factor_middle(haft_narrow *narrow, const double *values, const corne
             m[a][b] += size - 1 - b < HALF ? share[size - 1 - a][size - 1 - b][1] : 0;
         }
     }
-    for (size_t j = 0; j < size; j++) {
-        for (size_t a = j + 1; a < size; a++) {
-            double l = m[a][j] / m[j][j];
+}
+
+/* @return something finite if all pivots and their inverses are */
+static double factor_middle(haft_narrow *narrow) {
+    double(*m)[CORE] = narrow->middle, check = 0;
+    for (size_t j = 0; j < CORE; j++) {
+        double inverse = 1 / m[j][j], l[CORE];
+        narrow->inverse[j] = inverse;
+        check += m[j][j] + inverse;
+        for (size_t a = j + 1; a < CORE; a++) {
+            l[a] = m[a][j] * inverse;
+        }
+        for (size_t a = j + 1; a < CORE; a++) {
             for (size_t b = j + 1; b <= a; b++) {
-                m[a][b] -= (b < a ? m[b][j] : l) * m[a][j];
+                m[a][b] -= l[b] * m[a][j];
             }
-            m[a][j] = l;
+        }
+        for (size_t a = j + 1; a < CORE; a++) {
+            m[a][j] = l[a];
         }
     }
+    return check;
 }
 
 /* a where the mask is set, b elsewhere. */
@@ -145,88 +170,170 @@ static inline void note_pivots(haft_narrow *narrow, lanes d) {
     narrow->largest = choose(size > narrow->largest, size, narrow->largest);
 }
 
-bool haft_narrow_update(haft_narrow *narrow, const double *values) {
+/* The next three of what is left of a right-hand side before each lane's row. */
+typedef struct onward {
+    lanes now, next, third;
+} onward;
+
+static inline onward set_out(size_t n, const double *b) {
+    return (onward){{b[0], b[n - 1]}, {b[1], b[n - 2]}, {b[2], b[n - 3]}};
+}
+
+/* b's entries that come in with row i, nil once the lanes have met. */
+static inline lanes come_in(const haft_narrow *narrow, const double *b, size_t i) {
+    return i < narrow->steps ? (lanes){b[i], b[narrow->n - 1 - i]} : (lanes){0, 0};
+}
+
+/* Past a pair that begins with row i: its y, over its pivots, and what it takes from the three rows
+ * behind it. */
+static inline onward pass_pair(const haft_narrow *narrow, const narrow_pair *pair, size_t i,
+                               const double *b, onward f) {
+    const lanes second = f.next - pair->within * f.now;
+    narrow->y[i] = f.now * pair->inverse[0];
+    narrow->y[i + 1] = second * pair->inverse[1];
+    return (onward){f.third - (pair->through[0] * f.now + pair->l[0] * f.next),
+                    come_in(narrow, b, i + 3) - (pair->through[1] * f.now + pair->l[1] * f.next),
+                    come_in(narrow, b, i + 4) - pair->l[2] * second};
+}
+
+/* Past the first row, where it has no second. */
+static inline onward pass_first(const haft_narrow *narrow, const double *b, onward f) {
+    const narrow_pair *pair = &narrow->pair[0];
+    narrow->y[0] = f.now * pair->inverse[0];
+    return (onward){f.next - pair->within * f.now, f.third - pair->through[0] * f.now,
+                    come_in(narrow, b, 3) - pair->through[1] * f.now};
+}
+
+/* Back from the middle, where `f` is what the lanes leave of its first and last three rows. */
+static void solve_middle(const haft_narrow *narrow, double *b, onward f) {
+    const lanes rest[HALF] = {f.now, f.next, f.third};
+    const double(*m)[CORE] = narrow->middle;
+    double x[CORE] = {0};
+    for (size_t k = 0; k < narrow->core; k++) {
+        x[k] = b[k];
+    }
+    for (size_t k = 0; k < HALF; k++) {
+        x[k] += rest[k][0];
+        x[narrow->core - 1 - k] += rest[k][1];
+    }
+    for (size_t j = 0; j < CORE; j++) {
+        for (size_t a = j + 1; a < CORE; a++) {
+            x[a] -= m[a][j] * x[j];
+        }
+    }
+    for (size_t j = CORE; j-- > 0;) {
+        x[j] *= narrow->inverse[j];
+        for (size_t a = CORE - 1; a > j; a--) {
+            x[j] -= m[a][j] * x[a];
+        }
+    }
+    for (size_t k = 0; k < narrow->core; k++) {
+        b[k] = x[k];
+    }
+}
+
+static inline void put(double *b, size_t n, size_t i, lanes x) {
+    b[i] = x[0];
+    b[n - 1 - i] = x[1];
+}
+
+static void solve_backwards(const haft_narrow *narrow, double *b) {
+    size_t n = narrow->n, i = narrow->steps;
+    lanes x1 = {b[i], b[n - 1 - i]}, x2 = {b[i + 1], b[n - 2 - i]}, x3 = {b[i + 2], b[n - 3 - i]};
+    while (i > 1) {
+        i -= 2;
+        const narrow_pair *pair = &narrow->pair[(i + 1) / 2];
+        lanes early = narrow->y[i + 1] - pair->l[2] * x3;
+        lanes second = early - (pair->l[1] * x2 + pair->l[0] * x1);
+        lanes first =
+            (narrow->y[i] - pair->within * early) - (pair->through[1] * x2 + pair->through[0] * x1);
+        put(b, n, i + 1, second);
+        put(b, n, i, first);
+        x3 = x1;
+        x2 = second;
+        x1 = first;
+    }
+    if (i > 0) {
+        const narrow_pair *pair = &narrow->pair[0];
+        lanes behind = pair->through[1] * x3 + pair->through[0] * x2;
+        put(b, n, 0, (narrow->y[0] - behind) - pair->within * x1);
+    }
+}
+
+/* Eliminates the i-th rows of both lanes. */
+static inline narrow_row eliminate(haft_narrow *narrow, const double *values, size_t i, corner *c,
+                                   lanes *sum) {
+    lanes d = entry(narrow, values, i, 0) + c->a00, r1 = entry(narrow, values, i, 1) + c->a01;
+    lanes r2 = entry(narrow, values, i, 2) + c->a02, r3 = entry(narrow, values, i, 3);
+    lanes inverse = 1 / d, l1 = r1 * inverse, l2 = r2 * inverse, l3 = r3 * inverse;
+    note_pivots(narrow, d);
+    *sum += d;
+    *c = (corner){.a00 = c->a11 - l1 * r1,
+                  .a01 = c->a12 - l1 * r2,
+                  .a02 = -l1 * r3,
+                  .a11 = c->a22 - l2 * r2,
+                  .a12 = -l2 * r3,
+                  .a22 = -l3 * r3};
+    return (narrow_row){inverse, {l1, l2, l3}};
+}
+
+static inline narrow_pair combine(narrow_row first, narrow_row second) {
+    const lanes within = first.l[0];
+    return (narrow_pair){
+        {first.inverse, second.inverse},
+        within,
+        {second.l[0], second.l[1], second.l[2]},
+        {first.l[1] - second.l[0] * within, first.l[2] - second.l[1] * within},
+    };
+}
+
+/* Factors, and solves for b on the way unless that is NULL. */
+HAFT_INLINE bool update(haft_narrow *narrow, const double *values, double *b) {
     corner c = {0};
     lanes sum = {0, 0};
+    onward f = {{0}, {0}, {0}};
     narrow->least = (lanes){INFINITY, INFINITY};
     narrow->largest = (lanes){0, 0};
     narrow->negative = (lane_counts){0, 0};
-    for (size_t i = 0; i < narrow->steps; i++) {
-        narrow_row *row = &narrow->row[i];
-        lanes d = entry(narrow, values, i, 0) + c.a00, r1 = entry(narrow, values, i, 1) + c.a01;
-        lanes r2 = entry(narrow, values, i, 2) + c.a02, r3 = entry(narrow, values, i, 3);
-        lanes inverse = 1 / d, l1 = r1 * inverse, l2 = r2 * inverse, l3 = r3 * inverse;
-        *row = (narrow_row){inverse, {l1, l2, l3}};
-        note_pivots(narrow, d);
-        sum += d;
-        c = (corner){.a00 = c.a11 - l1 * r1,
-                     .a01 = c.a12 - l1 * r2,
-                     .a02 = -l1 * r3,
-                     .a11 = c.a22 - l2 * r2,
-                     .a12 = -l2 * r3,
-                     .a22 = -l3 * r3};
+    if (b != NULL) {
+        f = set_out(narrow->n, b);
     }
-    factor_middle(narrow, values, &c);
-    double check = sum[0] + sum[1];
-    for (size_t j = 0; j < narrow->core; j++) {
-        check += narrow->middle[j][j] + 1 / narrow->middle[j][j];
+    size_t i = narrow->steps % 2;
+    if (i > 0) {
+        narrow->pair[0] = combine(eliminate(narrow, values, 0, &c, &sum), (narrow_row){0});
+        f = b != NULL ? pass_first(narrow, b, f) : f;
+    }
+    for (; i < narrow->steps; i += 2) {
+        narrow_pair *pair = &narrow->pair[(i + 1) / 2];
+        narrow_row first = eliminate(narrow, values, i, &c, &sum);
+        *pair = combine(first, eliminate(narrow, values, i + 1, &c, &sum));
+        f = b != NULL ? pass_pair(narrow, pair, i, b, f) : f;
+    }
+    gather_middle(narrow, values, &c);
+    double check = factor_middle(narrow) + sum[0] + sum[1];
+    if (b != NULL) {
+        solve_middle(narrow, b + narrow->steps, f);
+        solve_backwards(narrow, b);
     }
     return isfinite(check); /* after a vanished pivot nothing is */
 }
 
-static void solve_middle(const haft_narrow *narrow, double *b) {
-    size_t size = narrow->core;
-    for (size_t j = 0; j < size; j++) {
-        for (size_t a = j + 1; a < size; a++) {
-            b[a] -= narrow->middle[a][j] * b[j];
-        }
-    }
-    for (size_t j = size; j-- > 0;) {
-        b[j] /= narrow->middle[j][j];
-        for (size_t a = j + 1; a < size; a++) {
-            b[j] -= narrow->middle[a][j] * b[a];
-        }
-    }
+bool haft_narrow_update(haft_narrow *narrow, const double *values) {
+    return update(narrow, values, NULL);
 }
 
-/* L y = b down to the middle; what the lanes leave of its first and last three rows goes there. */
-static void solve_forwards(haft_narrow *narrow, double *b) {
-    size_t n = narrow->n, steps = narrow->steps;
-    const lanes nil = {0, 0};
-    lanes now = {b[0], b[n - 1]}, next = {b[1], b[n - 2]}, third = {b[2], b[n - 3]};
-    for (size_t i = 0; i < steps; i++) {
-        const narrow_row *row = &narrow->row[i];
-        lanes y = now, entering = i + HALF < steps ? (lanes){b[i + 3], b[n - 4 - i]} : nil;
-        narrow->y[i] = y * row->inverse;
-        now = next - row->l[0] * y;
-        next = third - row->l[1] * y;
-        third = entering - row->l[2] * y;
-    }
-    const lanes rest[HALF] = {now, next, third};
-    for (size_t k = 0; k < HALF; k++) {
-        b[steps + k] += rest[k][0];
-        b[n - 1 - steps - k] += rest[k][1];
-    }
-}
-
-static void solve_backwards(const haft_narrow *narrow, double *b) {
-    size_t n = narrow->n, steps = narrow->steps;
-    lanes x1 = {b[steps], b[n - 1 - steps]}, x2 = {b[steps + 1], b[n - 2 - steps]};
-    lanes x3 = {b[steps + 2], b[n - 3 - steps]};
-    for (size_t i = steps; i-- > 0;) {
-        const narrow_row *row = &narrow->row[i];
-        lanes x = ((narrow->y[i] - row->l[2] * x3) - row->l[1] * x2) - row->l[0] * x1;
-        b[i] = x[0];
-        b[n - 1 - i] = x[1];
-        x3 = x2;
-        x2 = x1;
-        x1 = x;
-    }
+bool haft_narrow_update_solve(haft_narrow *narrow, const double *values, double *b) {
+    return update(narrow, values, b);
 }
 
 void haft_narrow_solve(haft_narrow *narrow, double *b) {
-    solve_forwards(narrow, b);
-    solve_middle(narrow, b + narrow->steps);
+    onward f = set_out(narrow->n, b);
+    size_t i = narrow->steps % 2;
+    f = i > 0 ? pass_first(narrow, b, f) : f;
+    for (; i < narrow->steps; i += 2) {
+        f = pass_pair(narrow, &narrow->pair[(i + 1) / 2], i, b, f);
+    }
+    solve_middle(narrow, b + narrow->steps, f);
     solve_backwards(narrow, b);
 }
 

@@ -20,6 +20,10 @@ bool haft_narrow_lead(haft_narrow *narrow, size_t n);
 /* Factors without pivoting. @return false if a pivot vanished or is not finite. */
 bool haft_narrow_update(haft_narrow *narrow, const double *values);
 
+/* The same, and solves for one right-hand side in place: going forward through it costs nothing,
+ * since the factorization waits for its divisions. */
+bool haft_narrow_update_solve(haft_narrow *narrow, const double *values, double *b);
+
 /* Solves in place for one right-hand side. */
 void haft_narrow_solve(haft_narrow *narrow, double *b);
 

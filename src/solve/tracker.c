@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tracker's small operations: evaluation, rows of sites, lengths over which forces change. */
 #include "tracker.h"
-#include "vectors.h"
 
 #include <math.h>
 #include <string.h>
@@ -31,14 +30,15 @@ static haft_energy add(haft_energy a, haft_energy b) {
 /* Evaluates, the gaps into `gap`. */
 static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                      double *force_scale, double *gap) {
+    double *stiffness = t->needs_refinement ? t->site_stiffness : NULL;
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        t->hessian, force_scale, gap, t->site_stiffness);
+                                        t->hessian, force_scale, gap, stiffness);
     if (energy != NULL) {
         *energy = add(e, t->held.energy);
     }
-    double sum = e.strain + e.contact + total(t->gradient, t->n);
-    t->not_finite += !isfinite(sum);
-    return isfinite(sum);
+    bool finite = isfinite(e.strain + e.contact + e.rounding); /* the last, of all forces' sizes */
+    t->not_finite += !finite;
+    return finite;
 }
 
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
@@ -75,6 +75,12 @@ void haft_tracker_solve(haft_tracker *t, double *b) {
     haft_factor_solve(t->factor, b, 1);
 }
 
+bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b) {
+    haft_tracker_count_factorization(t);
+    t->cost.solves++;
+    return haft_factor_update_solve(t->factor, matrix, b);
+}
+
 double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v) {
     return haft_model_displacement(site, v) / t->model->gap;
 }
@@ -85,8 +91,9 @@ void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double f
     }
 }
 
-void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y) {
-    haft_diagonals_multiply(t->mass, t->n, factor, x, y);
+void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const double *x,
+                                const double *less, double *out) {
+    haft_diagonals_multiply(t->mass, t->n, factor, x, less, out);
 }
 
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state) {
@@ -102,68 +109,6 @@ double haft_tracker_rounding(const haft_state *a, const haft_state *b) {
 
 double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state) {
     return control.site == NULL ? state->load : haft_tracker_row(t, control.site, state->u);
-}
-
-/* How far each site's gap moves in lengths of its law, into `share`. */
-HAFT_CLONES static void measure_moves(const haft_tracker *t, const double *gap,
-                                      const double *motion, double *restrict share) {
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        share[r] = fabs(motion[r]) / haft_tracker_length(t, r, gap[r]);
-    }
-}
-
-double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
-                             size_t *site) {
-    double *share = t->site[1];
-    size_t first = t->model->inert, sites = t->model->sites;
-    measure_moves(t, gap, motion, share);
-    double largest = haft_vectors_largest(sites - first, share + first);
-    if (site != NULL && largest > 0) {
-        *site = first;
-        while (share[*site] != largest) {
-            ++*site;
-        }
-    }
-    return largest;
-}
-
-double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site) {
-    haft_model_displacements(t->model, v, t->site[0]);
-    return haft_tracker_greatest(t, gap, t->site[0], site);
-}
-
-/* The sites' ways from one state's gaps to another's. */
-static const double *subtract(const haft_tracker *t, const double *gap, const double *to) {
-    double *way = t->site[0];
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        way[r] = to[r] - gap[r];
-    }
-    return way;
-}
-
-double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to) {
-    return haft_tracker_greatest(t, gap, subtract(t, gap, to), NULL);
-}
-
-/* The sites up to the last whose motion, just measured, is more than `least` lengths. */
-static size_t moved_sites(const haft_tracker *t, double least) {
-    const double *share = t->site[1];
-    size_t moved = t->model->sites;
-    while (moved > t->model->inert && !(share[moved - 1] > least)) {
-        moved--;
-    }
-    return moved;
-}
-
-size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to,
-                          double least) {
-    measure_moves(t, gap, subtract(t, gap, to), t->site[1]);
-    return moved_sites(t, least);
-}
-
-size_t haft_tracker_stirred(const haft_tracker *t, double share) {
-    double most = haft_tracker_greatest(t, t->here.gap, t->motion, NULL);
-    return moved_sites(t, share * most);
 }
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {
@@ -194,7 +139,7 @@ static haft_path_options resolve(const haft_path_options *given) {
 
 /* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
  * by the same walk. */
-enum { VECTORS = 21, SITE_VECTORS = 12 + HAFT_SITE_SCRATCH };
+enum { VECTORS = 21, SITE_VECTORS = 13 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
                              &t->null,       &t->scratch[0],     &t->scratch[1], &t->scratch[2],
@@ -210,7 +155,7 @@ static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
         &t->range,    &t->reach,          &t->far,     &t->nil,           &t->gap_before,
         &t->gap,      &t->site_stiffness, &t->motion,  &t->gap_predicted, &t->here.gap,
         &t->next.gap, &t->spare.gap,      &t->site[0], &t->site[1],       &t->site[2],
-        &t->site[3],  &t->site[4]};
+        &t->site[3],  &t->site[4],        &t->area};
     memcpy(vector, all, sizeof all);
 }
 
@@ -257,6 +202,7 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
 
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t r = 0; r < t->model->sites; r++) {
+        t->area[r] = t->model->site[r].area;
         t->range[r] = haft_law_range(&t->laws[r]);
         t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
         t->far[r] = haft_law_reach(&t->laws[r], FAINT_SHARE);
@@ -287,6 +233,7 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
     t->options = resolve(options);
     t->n = model->dofs;
     t->load_unit = model->energy_unit / model->gap;
+    t->needs_refinement = true; /* until it is known */
     haft_status status = allocate(t, error);
     if (status == HAFT_OK) {
         status = haft_law_rows_create(&t->rows, model->sites, laws, error);

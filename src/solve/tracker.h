@@ -75,6 +75,7 @@ typedef struct haft_tracker {
     haft_path_options options;
     haft_programme programme;
     double load_unit;                    /* energy_unit / gap [N] */
+    double *area;                        /* of each site [m^2] */
     double *range, *reach;               /* of each site: its law's range; felt within [m] */
     double *far, *nil;                   /* next to nil beyond; nil to the last digit beyond [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
@@ -91,7 +92,7 @@ typedef struct haft_tracker {
     double *pair;                    /* 2 n: two right-hand sides solved together */
     double *gap_before;              /* sites: before a jump [m] */
     double *site[HAFT_SITE_SCRATCH]; /* haft_law_lanes(sites) each: scratch */
-    double *site_stiffness;          /* sites: at the state last evaluated, for refinement */
+    double *site_stiffness;          /* sites: at the state last evaluated, where refined by it */
     haft_state here, next, spare;    /* accepted, tried, and the flow's second */
     haft_branch start, end;          /* derivatives at `here` leaving it and at `next` arriving */
     haft_branch rebased;             /* start, kept while another control is tried */
@@ -134,8 +135,13 @@ static inline void haft_tracker_count_factorization(haft_tracker *t) {
 /* Solves in place with the factor at hand. */
 void haft_tracker_solve(haft_tracker *t, double *b);
 
-/* y += factor * M x */
-void haft_tracker_add_mass(const haft_tracker *t, double factor, const double *x, double *y);
+/* Factors a matrix of the mesh in use, and solves with it in place. @return false if it could not
+ * be factored. */
+bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b);
+
+/* out = factor * M x - less, `less` NULL for nil */
+void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const double *x,
+                                const double *less, double *out);
 
 /* Pi of an evaluated state at its own load [J]. */
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state);

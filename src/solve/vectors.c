@@ -58,8 +58,10 @@ HAFT_CLONES static sunrealtype least(N_Vector x) {
     return low;
 }
 
-HAFT_CLONES double haft_vectors_largest(size_t n, const double *a) {
-    size_t whole = n / LANES * LANES;
+/* max |x|. */
+HAFT_CLONES static sunrealtype max_norm(N_Vector x) {
+    const double *a = N_VGetArrayPointer(x);
+    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
     double part[LANES] = {0}, most = 0;
     for (size_t i = 0; i < whole; i += LANES) {
         for (size_t k = 0; k < LANES; k++) {
@@ -73,11 +75,6 @@ HAFT_CLONES double haft_vectors_largest(size_t n, const double *a) {
         most = part[k] > most ? part[k] : most;
     }
     return most;
-}
-
-/* max |x|. */
-static sunrealtype max_norm(N_Vector x) {
-    return haft_vectors_largest((size_t)N_VGetLength(x), N_VGetArrayPointer(x));
 }
 
 /* z = a x + b y; z may be either. */

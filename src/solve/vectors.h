@@ -11,7 +11,4 @@
 /* n numbers; NULL if there is no memory. Vectors cloned from it have its operations. */
 N_Vector haft_vector_create(size_t n, SUNContext context);
 
-/* The largest of n numbers in size, 0 of none; what is no number is passed over. */
-double haft_vectors_largest(size_t n, const double *a);
-
 #endif

@@ -113,6 +113,11 @@ static void solves_definite_matrices(void **state) {
             haft_narrow_solve(narrow, x);
             assert_true(backward_error(&m, b, x) < 4e-16);
             assert_int_equal(haft_narrow_inertia(narrow).negative, 0);
+            double at_once[MOST];
+            memcpy(at_once, b, n * sizeof *b);
+            assert_true(haft_narrow_update_solve(narrow, m.value, at_once));
+            assert_memory_equal(at_once, x, n * sizeof *x);
+            assert_int_equal(haft_narrow_inertia(narrow).negative, 0);
             haft_narrow_destroy(&narrow);
         }
     }
@@ -209,27 +214,29 @@ static void tells_the_inertia(void **state) {
     assert_true(seen[0] > 0 && seen[1] > 0 && seen[5] > 0);
 }
 
-/* y + 0.5 A x, of the narrow and of the smallest matrices. */
+/* 0.5 A x - y, of the narrow and of the smallest matrices. */
 static void multiplies_by_diagonals(void **state) {
     (void)state;
     haft_error error = {0};
     for (size_t n = 1; n <= MOST; n++) {
         banded m;
         draw(&m, n, n % 2, 0, n);
-        double x[MOST], y[MOST];
+        double x[MOST], y[MOST], out[2][MOST];
         for (size_t i = 0; i < n; i++) {
             x[i] = cos((double)(i * i));
             y[i] = sin((double)i);
         }
         haft_diagonals *diagonals = NULL;
         check_ok(haft_diagonals_create(&diagonals, n, m.column, m.row, m.value, &error), error);
-        haft_diagonals_multiply(diagonals, n, 0.5, x, y);
+        haft_diagonals_multiply(diagonals, n, 0.5, x, y, out[0]);
+        haft_diagonals_multiply(diagonals, n, 0.5, x, NULL, out[1]);
         for (size_t i = 0; i < n; i++) {
-            long double sum = sin((double)i);
+            long double sum = 0;
             for (size_t j = 0; j < n; j++) {
                 sum += 0.5L * m.full[i][j] * x[j];
             }
-            assert_true(fabs((double)(y[i] - sum)) < 2e-15);
+            assert_true(fabs((double)(out[0][i] - (sum - y[i]))) < 2e-15);
+            assert_true(fabs((double)(out[1][i] - sum)) < 2e-15);
         }
         haft_diagonals_destroy(&diagonals);
     }
