@@ -92,70 +92,90 @@ typedef struct klu_time {
     double refactor, solve;
 } klu_time;
 
-/* Both of the model's pattern, filled with K + M, as the solver orders it: the median over `rounds`
- * of runs of 200. */
-static klu_time time_klu(const haft_model *m, int rounds, haft_error *error) {
-    double *value = haft_memory_alloc(m->nonzeros, sizeof *value, error);
-    double *b = haft_memory_alloc(m->dofs, sizeof *b, error);
-    must(value == NULL || b == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
-    for (size_t k = 0; k < m->nonzeros; k++) {
-        value[k] = m->stiffness[k] + m->mass[k];
-    }
+/* A KLU factorization of a model's pattern, filled with K + M, as the solver orders it. */
+typedef struct bare_klu {
+    const haft_model *model;
+    double *value, *b;
     klu_common common;
-    klu_defaults(&common);
-    common.btf = 0;
-    common.scale = -1;
-    common.tol = 0;
-    klu_symbolic *symbolic = klu_analyze((int)m->dofs, m->column, m->row, &common);
-    klu_numeric *numeric = klu_factor(m->column, m->row, value, symbolic, &common);
-    double refactor[ROUND_LIMIT], solve[ROUND_LIMIT];
-    enum { RUNS = 200 };
-    for (int r = 0; r < rounds; r++) {
-        double start = now();
-        for (int k = 0; k < RUNS; k++) {
-            if (!klu_refactor(m->column, m->row, value, symbolic, numeric, &common)) {
-                fprintf(stderr, "bench-cycle: KLU cannot factor K + M\n");
-                exit(1);
-            }
-        }
-        double middle = now();
-        for (int k = 0; k < RUNS; k++) {
-            for (size_t i = 0; i < m->dofs; i++) {
-                b[i] = 1;
-            }
-            klu_solve(symbolic, numeric, (int)m->dofs, 1, b, &common);
-        }
-        refactor[r] = (middle - start) / RUNS;
-        solve[r] = (now() - middle) / RUNS;
+    klu_symbolic *symbolic;
+    klu_numeric *numeric;
+} bare_klu;
+
+static void make_bare_klu(bare_klu *k, const haft_model *m, haft_error *error) {
+    *k = (bare_klu){.model = m};
+    k->value = haft_memory_alloc(m->nonzeros, sizeof *k->value, error);
+    k->b = haft_memory_alloc(m->dofs, sizeof *k->b, error);
+    must(k->value == NULL || k->b == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    for (size_t i = 0; i < m->nonzeros; i++) {
+        k->value[i] = m->stiffness[i] + m->mass[i];
     }
-    klu_free_numeric(&numeric, &common);
-    klu_free_symbolic(&symbolic, &common);
-    haft_memory_free(value);
-    haft_memory_free(b);
-    return (klu_time){median(refactor, rounds), median(solve, rounds)};
+    klu_defaults(&k->common);
+    k->common.btf = 0;
+    k->common.scale = -1;
+    k->common.tol = 0;
+    k->symbolic = klu_analyze((int)m->dofs, m->column, m->row, &k->common);
+    k->numeric = klu_factor(m->column, m->row, k->value, k->symbolic, &k->common);
 }
 
-/* Seconds of one bare evaluation of all the laws that take part, at the gaps a path ended with. */
-static double time_laws(const haft_model *m, const haft_law *laws, const haft_path *path,
-                        int rounds, haft_error *error) {
+static void free_bare_klu(bare_klu *k) {
+    klu_free_numeric(&k->numeric, &k->common);
+    klu_free_symbolic(&k->symbolic, &k->common);
+    haft_memory_free(k->value);
+    haft_memory_free(k->b);
+}
+
+/* Means over 200 runs. */
+static klu_time time_klu(bare_klu *k) {
     enum { RUNS = 200 };
-    size_t sites = m->sites - m->inert, room = haft_law_lanes(m->sites);
-    double *d = haft_memory_alloc(4 * room, sizeof *d, error), round[ROUND_LIMIT];
-    haft_law_rows *rows = NULL;
-    must(d == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
-    must(haft_law_rows_create(&rows, sites, laws + m->inert, error), error);
-    haft_model_gaps(m, path->final_state, d);
-    haft_law_values out = {d + room, d + 2 * room, NULL, d + 3 * room}; /* as a state's are */
-    for (int r = 0; r < rounds; r++) {
-        double start = now();
-        for (int k = 0; k < RUNS; k++) {
-            haft_law_rows_evaluate(rows, 0, sites, d + m->inert, &out);
+    const haft_model *m = k->model;
+    double start = now();
+    for (int r = 0; r < RUNS; r++) {
+        if (!klu_refactor(m->column, m->row, k->value, k->symbolic, k->numeric, &k->common)) {
+            fprintf(stderr, "bench-cycle: KLU cannot factor K + M\n");
+            exit(1);
         }
-        round[r] = (now() - start) / RUNS;
     }
-    haft_law_rows_destroy(&rows);
-    haft_memory_free(d);
-    return median(round, rounds);
+    double middle = now();
+    for (int r = 0; r < RUNS; r++) {
+        for (size_t i = 0; i < m->dofs; i++) {
+            k->b[i] = 1;
+        }
+        klu_solve(k->symbolic, k->numeric, (int)m->dofs, 1, k->b, &k->common);
+    }
+    return (klu_time){(middle - start) / RUNS, (now() - middle) / RUNS};
+}
+
+/* All the laws that take part, bare, at the gaps a path ended with. */
+typedef struct bare_laws {
+    haft_law_rows *rows;
+    size_t sites, room;
+    double *d; /* room of gaps, and of each value */
+} bare_laws;
+
+static void make_bare_laws(bare_laws *b, const haft_model *m, const haft_law *laws,
+                           const haft_path *path, haft_error *error) {
+    *b = (bare_laws){.sites = m->sites - m->inert, .room = haft_law_lanes(m->sites)};
+    b->d = haft_memory_alloc(4 * b->room, sizeof *b->d, error);
+    must(b->d == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
+    must(haft_law_rows_create(&b->rows, b->sites, laws + m->inert, error), error);
+    haft_model_gaps(m, path->final_state, b->d);
+    memmove(b->d, b->d + m->inert, b->sites * sizeof *b->d);
+}
+
+static void free_bare_laws(bare_laws *b) {
+    haft_law_rows_destroy(&b->rows);
+    haft_memory_free(b->d);
+}
+
+/* Seconds of an evaluation of all of them, as a state's are: the mean over 200. */
+static double time_laws(const bare_laws *b) {
+    enum { RUNS = 200 };
+    double *d = b->d, start = now();
+    haft_law_values out = {d + b->room, d + 2 * b->room, NULL, d + 3 * b->room};
+    for (int r = 0; r < RUNS; r++) {
+        haft_law_rows_evaluate(b->rows, 0, b->sites, d, &out);
+    }
+    return (now() - start) / RUNS;
 }
 
 static haft_path *follow(const bench *b, const haft_model *model, const haft_path_options *options,
@@ -200,32 +220,59 @@ static haft_model *make_model(const bench *b, haft_mesh_kind kind) {
     return model;
 }
 
+/* A beam's cycle: seconds, and ratios to the floor, to that with laws, and to all of KLU. */
+typedef struct beam_cost {
+    double time, floor, ratio, lawful, all;
+} beam_cost;
+
+/* Medians over the rounds, in each of which the floor is timed right after the cycle: a shared
+ * processor's speed changes from second to second. */
+static beam_cost time_beam(const bench *b, const haft_model *model, bare_klu *klu, int beam,
+                           mean_cost *sum) {
+    haft_error error = {0};
+    double round[5][ROUND_LIMIT];
+    bare_laws laws = {0};
+    for (int r = 0; r < b->rounds; r++) {
+        haft_path *path = follow(b, model, &b->c->path, beam, &round[0][r]);
+        if (r == 0) {
+            make_bare_laws(&laws, model, b->beam[beam]->law, path, &error);
+            add_cost(sum, path, b->beams);
+        }
+        klu_time one = time_klu(klu);
+        double bare = one.refactor + one.solve, time = round[0][r];
+        double whole = (double)path->cost.unknowns / (double)model->dofs; /* factorizations */
+        double solves = whole * (double)path->cost.solves / (double)path->cost.factorizations;
+        round[1][r] = bare;
+        round[2][r] = time / (bare * whole);
+        round[3][r] = time / ((bare + time_laws(&laws)) * whole);
+        round[4][r] = time / (one.refactor * whole + one.solve * solves);
+        haft_path_destroy(&path);
+    }
+    free_bare_laws(&laws);
+    double m[5];
+    for (int i = 0; i < 5; i++) {
+        m[i] = median(round[i], b->rounds);
+    }
+    return (beam_cost){m[0], m[1], m[2], m[3], m[4]};
+}
+
 static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
     haft_error error = {0};
     haft_model *model = make_model(b, kind);
     static const char *const name[] = {"uniform", "exact", "active"};
     double time[BEAM_LIMIT], ratio[BEAM_LIMIT], all[BEAM_LIMIT], lawful[BEAM_LIMIT], floor = 0;
     mean_cost cost = {0};
+    bare_klu klu;
+    make_bare_klu(&klu, model, &error);
     for (int k = 0; k < b->beams; k++) {
-        double round[ROUND_LIMIT];
-        haft_path *path = NULL;
-        for (int r = 0; r < b->rounds; r++) {
-            haft_path_destroy(&path);
-            path = follow(b, model, &b->c->path, k, &round[r]);
-        }
-        klu_time klu = time_klu(model, b->rounds, &error);
-        double bare = klu.refactor + klu.solve;
-        double whole = (double)path->cost.unknowns / (double)model->dofs; /* factorizations */
-        double solves = whole * (double)path->cost.solves / (double)path->cost.factorizations;
-        time[k] = median(round, b->rounds);
-        ratio[k] = time[k] / (bare * whole);
-        all[k] = time[k] / (klu.refactor * whole + klu.solve * solves);
-        double laws = time_laws(model, b->beam[k]->law, path, b->rounds, &error);
-        lawful[k] = time[k] / ((bare + laws) * whole);
-        floor += bare / b->beams;
-        add_cost(&cost, path, b->beams);
-        haft_path_destroy(&path);
+        beam_cost one = time_beam(b, model, &klu, k, &cost);
+        time[k] = one.time;
+        ratio[k] = one.ratio;
+        lawful[k] = one.lawful;
+        all[k] = one.all;
+        floor += one.floor / b->beams;
     }
+    free_bare_klu(&klu);
     double middle = median(time, b->beams);
     printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.2f %7.2f %7.2f %7.0f %8.0f %8.0f %8.0f %8.0f "
            "%8.0f %6.0f %6.1f\n",
