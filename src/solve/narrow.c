@@ -22,9 +22,9 @@ typedef struct narrow_row {
     lanes inverse, l[HALF];
 } narrow_row;
 
-/* Two rows of it, so laid out that what comes behind both waits for two operations' length less
- * than for one row after the other: the first's share of the second, the second's shares of the
- * three behind it, and the first's of the next two with what goes there through the second. */
+/* Two rows of it, so laid out that what comes behind both waits for three operations, not four as
+ * for one row after the other: the first's share of the second, the second's shares of the three
+ * behind it, and the first's of the next two with what goes there through the second. */
 typedef struct narrow_pair {
     lanes inverse[2], within, l[HALF], through[2];
 } narrow_pair;
@@ -103,19 +103,20 @@ void haft_narrow_destroy(haft_narrow **narrow) {
 }
 
 /* Entry k off the diagonal of the i-th rows of both lanes. */
-static inline lanes entry(const haft_narrow *narrow, const double *values, size_t i, int k) {
+HAFT_INLINE lanes entry(const haft_narrow *narrow, const double *values, size_t i, int k) {
     const narrow_column *first = &narrow->column[i], *last = &narrow->column[narrow->n - 1 - i];
     return (lanes){k <= first->below ? values[first->diagonal + k] : 0,
                    k <= last->above ? values[last->diagonal - k] : 0};
 }
 
-/* What the rows eliminated take from the next three: the upper triangle of their corner. */
+/* The next three rows of each lane, less what those eliminated take from them: the upper triangle
+ * of their corner. Where they are the middle's, that alone. */
 typedef struct corner {
     lanes a00, a01, a02, a11, a12, a22;
 } corner;
 
 /* What is left between the lanes, with what they take from it. */
-static void gather_middle(haft_narrow *narrow, const double *values, const corner *taken) {
+HAFT_INLINE void gather_middle(haft_narrow *narrow, const double *values, const corner *taken) {
     size_t size = narrow->core;
     const lanes share[HALF][HALF] = {{taken->a00, taken->a01, taken->a02},
                                      {taken->a01, taken->a11, taken->a12},
@@ -136,7 +137,7 @@ static void gather_middle(haft_narrow *narrow, const double *values, const corne
 }
 
 /* @return something finite if all pivots and their inverses are */
-static double factor_middle(haft_narrow *narrow) {
+HAFT_INLINE double factor_middle(haft_narrow *narrow) {
     double(*m)[CORE] = narrow->middle, check = 0;
     for (size_t j = 0; j < CORE; j++) {
         double inverse = 1 / m[j][j], l[CORE];
@@ -158,12 +159,12 @@ static double factor_middle(haft_narrow *narrow) {
 }
 
 /* a where the mask is set, b elsewhere. */
-static inline lanes choose(lane_counts mask, lanes a, lanes b) {
+HAFT_INLINE lanes choose(lane_counts mask, lanes a, lanes b) {
     return (lanes)(((lane_counts)a & mask) | ((lane_counts)b & ~mask));
 }
 
 /* Takes note of the rows' pivots d as they come; a comparison gives -1 where it holds. */
-static inline void note_pivots(haft_narrow *narrow, lanes d) {
+HAFT_INLINE void note_pivots(haft_narrow *narrow, lanes d) {
     lanes size = choose(d < 0, -d, d);
     narrow->negative -= ~(d > 0);
     narrow->least = choose(d < narrow->least, d, narrow->least);
@@ -175,19 +176,19 @@ typedef struct onward {
     lanes now, next, third;
 } onward;
 
-static inline onward set_out(size_t n, const double *b) {
+HAFT_INLINE onward set_out(size_t n, const double *b) {
     return (onward){{b[0], b[n - 1]}, {b[1], b[n - 2]}, {b[2], b[n - 3]}};
 }
 
 /* b's entries that come in with row i, nil once the lanes have met. */
-static inline lanes come_in(const haft_narrow *narrow, const double *b, size_t i) {
+HAFT_INLINE lanes come_in(const haft_narrow *narrow, const double *b, size_t i) {
     return i < narrow->steps ? (lanes){b[i], b[narrow->n - 1 - i]} : (lanes){0, 0};
 }
 
 /* Past a pair that begins with row i: its y, over its pivots, and what it takes from the three rows
  * behind it. */
-static inline onward pass_pair(const haft_narrow *narrow, const narrow_pair *pair, size_t i,
-                               const double *b, onward f) {
+HAFT_INLINE onward pass_pair(const haft_narrow *narrow, const narrow_pair *pair, size_t i,
+                             const double *b, onward f) {
     const lanes second = f.next - pair->within * f.now;
     narrow->y[i] = f.now * pair->inverse[0];
     narrow->y[i + 1] = second * pair->inverse[1];
@@ -197,7 +198,7 @@ static inline onward pass_pair(const haft_narrow *narrow, const narrow_pair *pai
 }
 
 /* Past the first row, where it has no second. */
-static inline onward pass_first(const haft_narrow *narrow, const double *b, onward f) {
+HAFT_INLINE onward pass_first(const haft_narrow *narrow, const double *b, onward f) {
     const narrow_pair *pair = &narrow->pair[0];
     narrow->y[0] = f.now * pair->inverse[0];
     return (onward){f.next - pair->within * f.now, f.third - pair->through[0] * f.now,
@@ -205,7 +206,7 @@ static inline onward pass_first(const haft_narrow *narrow, const double *b, onwa
 }
 
 /* Back from the middle, where `f` is what the lanes leave of its first and last three rows. */
-static void solve_middle(const haft_narrow *narrow, double *b, onward f) {
+HAFT_INLINE void solve_middle(const haft_narrow *narrow, double *b, onward f) {
     const lanes rest[HALF] = {f.now, f.next, f.third};
     const double(*m)[CORE] = narrow->middle;
     double x[CORE] = {0};
@@ -232,12 +233,12 @@ static void solve_middle(const haft_narrow *narrow, double *b, onward f) {
     }
 }
 
-static inline void put(double *b, size_t n, size_t i, lanes x) {
+HAFT_INLINE void put(double *b, size_t n, size_t i, lanes x) {
     b[i] = x[0];
     b[n - 1 - i] = x[1];
 }
 
-static void solve_backwards(const haft_narrow *narrow, double *b) {
+HAFT_INLINE void solve_backwards(const haft_narrow *narrow, double *b) {
     size_t n = narrow->n, i = narrow->steps;
     lanes x1 = {b[i], b[n - 1 - i]}, x2 = {b[i + 1], b[n - 2 - i]}, x3 = {b[i + 2], b[n - 3 - i]};
     while (i > 1) {
@@ -260,24 +261,28 @@ static void solve_backwards(const haft_narrow *narrow, double *b) {
     }
 }
 
-/* Eliminates the i-th rows of both lanes. */
-static inline narrow_row eliminate(haft_narrow *narrow, const double *values, size_t i, corner *c,
-                                   lanes *sum) {
-    lanes d = entry(narrow, values, i, 0) + c->a00, r1 = entry(narrow, values, i, 1) + c->a01;
-    lanes r2 = entry(narrow, values, i, 2) + c->a02, r3 = entry(narrow, values, i, 3);
-    lanes inverse = 1 / d, l1 = r1 * inverse, l2 = r2 * inverse, l3 = r3 * inverse;
+/* The same of rows before the middle, nil of others. */
+HAFT_INLINE lanes entry_before(const haft_narrow *narrow, const double *values, size_t i, int k) {
+    return i < narrow->steps ? entry(narrow, values, i, k) : (lanes){0, 0};
+}
+
+/* Eliminates the i-th rows of both lanes, the first of `c`. */
+HAFT_INLINE narrow_row eliminate(haft_narrow *narrow, const double *values, size_t i, corner *c,
+                                 lanes *sum) {
+    const lanes d = c->a00, r1 = c->a01, r2 = c->a02, r3 = entry(narrow, values, i, 3);
+    const lanes inverse = 1 / d, l1 = r1 * inverse, l2 = r2 * inverse, l3 = r3 * inverse;
     note_pivots(narrow, d);
     *sum += d;
     *c = (corner){.a00 = c->a11 - l1 * r1,
                   .a01 = c->a12 - l1 * r2,
-                  .a02 = -l1 * r3,
+                  .a02 = entry_before(narrow, values, i + 1, 2) - l1 * r3,
                   .a11 = c->a22 - l2 * r2,
-                  .a12 = -l2 * r3,
-                  .a22 = -l3 * r3};
+                  .a12 = entry_before(narrow, values, i + 2, 1) - l2 * r3,
+                  .a22 = entry_before(narrow, values, i + 3, 0) - l3 * r3};
     return (narrow_row){inverse, {l1, l2, l3}};
 }
 
-static inline narrow_pair combine(narrow_row first, narrow_row second) {
+HAFT_INLINE narrow_pair combine(narrow_row first, narrow_row second) {
     const lanes within = first.l[0];
     return (narrow_pair){
         {first.inverse, second.inverse},
@@ -289,7 +294,12 @@ static inline narrow_pair combine(narrow_row first, narrow_row second) {
 
 /* Factors, and solves for b on the way unless that is NULL. */
 HAFT_INLINE bool update(haft_narrow *narrow, const double *values, double *b) {
-    corner c = {0};
+    corner c = {.a00 = entry(narrow, values, 0, 0),
+                .a01 = entry(narrow, values, 0, 1),
+                .a02 = entry(narrow, values, 0, 2),
+                .a11 = entry(narrow, values, 1, 0),
+                .a12 = entry(narrow, values, 1, 1),
+                .a22 = entry(narrow, values, 2, 0)};
     lanes sum = {0, 0};
     onward f = {{0}, {0}, {0}};
     narrow->least = (lanes){INFINITY, INFINITY};
@@ -318,15 +328,15 @@ HAFT_INLINE bool update(haft_narrow *narrow, const double *values, double *b) {
     return isfinite(check); /* after a vanished pivot nothing is */
 }
 
-bool haft_narrow_update(haft_narrow *narrow, const double *values) {
+HAFT_CLONES bool haft_narrow_update(haft_narrow *narrow, const double *values) {
     return update(narrow, values, NULL);
 }
 
-bool haft_narrow_update_solve(haft_narrow *narrow, const double *values, double *b) {
+HAFT_CLONES bool haft_narrow_update_solve(haft_narrow *narrow, const double *values, double *b) {
     return update(narrow, values, b);
 }
 
-void haft_narrow_solve(haft_narrow *narrow, double *b) {
+HAFT_CLONES void haft_narrow_solve(haft_narrow *narrow, double *b) {
     onward f = set_out(narrow->n, b);
     size_t i = narrow->steps % 2;
     f = i > 0 ? pass_first(narrow, b, f) : f;
