@@ -18,22 +18,22 @@ typedef struct element_values {
     pair near, far;
 } element_values;
 
-static inline double mode_amplitude(const double mode[HAFT_SPAN], element_values v) {
+HAFT_INLINE double mode_amplitude(const double mode[HAFT_SPAN], element_values v) {
     pair part = *(const pair *)mode * v.near + *(const pair *)(mode + 2) * v.far;
     return part[0] + part[1];
 }
 
 /* Whether a node's two unknowns are there, the rotation behind the deflection. */
-static inline bool is_node(const int *dof) {
+HAFT_INLINE bool is_node(const int *dof) {
     return dof[0] >= 0 && dof[1] == dof[0] + 1;
 }
 
-static inline pair node_values(const int *dof, const double *u) {
+HAFT_INLINE pair node_values(const int *dof, const double *u) {
     return is_node(dof) ? *(const pair *)(u + dof[0])
                         : (pair){dof[0] < 0 ? 0 : u[dof[0]], dof[1] < 0 ? 0 : u[dof[1]]};
 }
 
-static inline void add_to_node(const int *dof, pair force, double *y) {
+HAFT_INLINE void add_to_node(const int *dof, pair force, double *y) {
     if (is_node(dof)) {
         *(pair *)(y + dof[0]) += force;
         return;
@@ -45,16 +45,16 @@ static inline void add_to_node(const int *dof, pair force, double *y) {
     }
 }
 
-static inline pair size_of(pair v) {
+HAFT_INLINE pair size_of(pair v) {
     return (pair)((pair_bits)v & INT64_MAX);
 }
 
-static inline pair larger_of(pair a, pair b) {
+HAFT_INLINE pair larger_of(pair a, pair b) {
     const pair_bits a_is = a > b;
     return (pair)(((pair_bits)a & a_is) | ((pair_bits)b & ~a_is));
 }
 
-static inline void weigh_node(const int *dof, pair force, pair value, sums *s) {
+HAFT_INLINE void weigh_node(const int *dof, pair force, pair value, sums *s) {
     s->moved += size_of(force * value);
     for (int k = 0; k < 2; k++) {
         s->largest[k] = dof[k] < 0 ? s->largest[k] : larger(s->largest[k], fabs(force[k]));
@@ -78,14 +78,13 @@ static void add_element(const haft_element *element, const double *u, double *gr
 }
 
 /* A run's numbers as its nodes' lanes take them, from a beam's modes (1, turn, -1, 0) and (1, 0,
- * -1, far_turn). */
+ * -1, far_turn): q = fall + turns * rotations, m = own * q + mixed * (q turned over), and forces
+ * near * (m0 + m1, m0) and far * (m0 + m1, m1) on the nodes. */
 typedef struct run_numbers {
-    pair turns, own,
-        mixed;      /* q = fall + turns * rotations, m = own * q + mixed * (q turned over) */
-    pair near, far; /* forces: of (m0 + m1, m0) on the near node, (m0 + m1, m1) the far */
+    pair turns, own, mixed, near, far;
 } run_numbers;
 
-static inline run_numbers number_run(const haft_element *element) {
+HAFT_INLINE run_numbers number_run(const haft_element *element) {
     const double *d = element->stiffness;
     double turn = element->mode[0][1], far_turn = element->mode[1][3];
     return (run_numbers){{turn, far_turn}, {d[0], d[2]}, {d[1], d[1]}, {1, turn}, {-1, far_turn}};
