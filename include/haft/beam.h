@@ -142,8 +142,7 @@ haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
  *  columns of its Hessian the model's own, except in the last two unknowns, the held node's, which
  *  lack what lies behind.
  *  @param[in] model a beam
- *  @param[in] sites that are to move, from the first on; a few more do, and of those that share the
- *  held node's element some are in front that do not
+ *  @param[in] sites that are to move, from the first on; a few more do
  *  @param[out] moving unknowns that are not held: the first so many
  *  @return a view of the model's arrays, which is not to be destroyed; the model itself, all its
  *  unknowns moving, where no front of it is shorter. Thread-safe. */

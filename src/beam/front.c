@@ -4,7 +4,7 @@
  * none of the unknowns before it. */
 #include "sites.h"
 
-/* Sites are held by so many. */
+/* A front grows and shrinks by so many sites, for each change of it costs an evaluation. */
 enum { BLOCK = 32 };
 
 haft_model haft_model_front(const haft_model *model, size_t sites, size_t *moving) {

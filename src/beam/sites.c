@@ -9,6 +9,9 @@
 
 enum { LANES = HAFT_LAW_LANES, ENTRIES = HAFT_SPAN * HAFT_SPAN };
 
+/* How many sites' entries the nearest cache has room for, beside all else. */
+enum { NEAR_SITES = 32 };
+
 /* The gaps [m] in the lanes behind the last site: no law is anything there. */
 #define OUT_OF_REACH 1e100
 
@@ -61,7 +64,7 @@ static void find_alike(haft_layout *layout, const haft_model *model) {
     while (n < layout->runs && !layout->run[n].whole) {
         n++;
     }
-    size_t first = n < layout->runs ? layout->run[n].first : 0, end = first + HAFT_STRETCH;
+    size_t first = n < layout->runs ? layout->run[n].first : 0, end = first + NEAR_SITES;
     for (; n < layout->runs; n++) {
         haft_run *run = &layout->run[n];
         for (size_t r = first; run->whole && r < end && r < run->first; r++) {

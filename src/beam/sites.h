@@ -48,7 +48,7 @@ struct haft_layout {
     haft_stretch *stretch;
     haft_run *run;
     double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
-    double *area;    /* stride: [m^2], nil from the last site on */
+    double *area;    /* stride: [m^2], nil behind the model's last site, but not behind a front's */
     double *top;     /* stride: the greatest of a site's shapes in size [m] */
     double *term;    /* HAFT_SPAN a site: the same, a site's side by side */
     double *share;   /* HAFT_SPAN^2 a site: products of its shapes, by columns of the Hessian */
@@ -76,7 +76,7 @@ double haft_strain(const haft_model *model, const double *u, double *gradient, d
 void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
                                 double *w);
 
-/* The same of their gaps under u. */
+/* Their gaps under u; in lanes beyond, gaps at which all laws are nil. */
 void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u, double *d);
 
 /* Forces [1/m] along, and stiffnesses [1/m^2] against, the displacements of a stretch's sites, in

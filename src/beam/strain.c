@@ -7,8 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Sums over elements: energy [units of energy], how much it moves as each unknown is rounded, in
- * units of 2^-53, and the greatest force. Side by side for a node's two unknowns. */
+/* Sums over elements: energy [units of energy], by its two modes; how much it moves as each unknown
+ * is rounded, in units of 2^-53, and the greatest force, by a node's two unknowns. */
 typedef struct sums {
     pair energy, moved, largest;
 } sums;

@@ -19,10 +19,14 @@ struct haft_law_rows {
     haft_table_head *table;   /* laws: nil where not one */
 };
 
-/* A gap surely beyond which a law is nil by its evaluation, whose rounding it leaves room for. */
+/* A gap surely beyond which a law is nil by its evaluation, whose rounding it leaves room for; of
+ * numbers that are none, no gap is. */
 static double nil_beyond(haft_wings w) {
-    return w.a_right > 0 ? fmax(w.d_max + (1 + 1e-9) * HAFT_LAW_NIL / w.a_right, w.wall_distance)
-                         : -INFINITY;
+    if (w.a_right == 0) {
+        return -INFINITY; /* no Morse law: a lane to spare, or a table's */
+    }
+    double beyond = w.d_max + (1 + 1e-9) * HAFT_LAW_NIL / w.a_right + 0x1p-50 * fabs(w.d_max);
+    return beyond < w.wall_distance ? w.wall_distance : beyond;
 }
 
 static void put(haft_law_rows *rows, size_t i, haft_wings w) {

@@ -81,8 +81,9 @@ static void refine_all(haft_tracker *t, double *x, double enough) {
 
 /* The load's row; what is held has none. */
 static void put_load(const haft_tracker *t, double *b) {
-    memset(b, 0, t->model->dofs * sizeof *b);
+    memset(b, 0, t->n * sizeof *b);
     haft_tracker_add_row(t, &t->model->load, 1, b);
+    memset(b + t->n, 0, (t->model->dofs - t->n) * sizeof *b);
 }
 
 bool haft_branch_loses_digits(haft_tracker *t) {
@@ -213,31 +214,26 @@ static double multiply_mass(const haft_tracker *t, const double *x, double *mx) 
     return sum;
 }
 
-/* x = M^-1 H y, as inverse iteration goes, bounds the least eigenvalue from above by two quotients
- * (Schwarz; Collatz 1949), x'Mx / x'My and x'My / y'My: the second is the less, and that they are
- * near tells that both are near the eigenvalue. */
 double haft_branch_least_eigenvalue(haft_tracker *t) {
-    double *x = t->mode, *mx = t->scratch[0], *y = t->scratch[1], *my = t->scratch[2];
-    double before = multiply_mass(t, x, mx), first = NAN, second = 0;
-    for (int sweep = 0; sweep < EIGEN_SWEEPS && !(fabs(first - second) < 1e-3 * second); sweep++) {
+    double *x = t->mode, *mx = t->scratch[0], *y = t->scratch[1], lambda = 0, last = NAN;
+    for (int sweep = 0; sweep < EIGEN_SWEEPS && !(fabs(lambda - last) < 1e-3 * lambda); sweep++) {
+        last = lambda;
+        double before = multiply_mass(t, x, mx), after = 0;
         memcpy(y, mx, t->n * sizeof *y);
         haft_tracker_solve(t, y);
-        double mixed = 0, after = multiply_mass(t, y, my), scale = 1 / sqrt(after);
-        if (!(after > 0) || !isfinite(after)) {
+        for (size_t i = 0; i < t->n; i++) {
+            after += y[i] * mx[i];
+        }
+        lambda = before / after; /* x'Mx / x'M H^-1 M x, x the last iterate */
+        double scale = 1 / sqrt(fabs(after));
+        if (!(scale > 0) || !isfinite(scale)) {
             return 0;
         }
         for (size_t i = 0; i < t->n; i++) {
-            mixed += y[i] * mx[i];
-        }
-        first = before / mixed;
-        second = mixed / after;
-        for (size_t i = 0; i < t->n; i++) {
             x[i] = scale * y[i];
-            mx[i] = scale * my[i];
         }
-        before = 1;
     }
-    return second;
+    return lambda;
 }
 
 void haft_branch_predict(haft_tracker *t, double dtau) {

@@ -12,9 +12,9 @@ haft_status haft_diagonals_create(haft_diagonals **out, size_t n, const int *col
                                   const double *values, haft_error *error);
 void haft_diagonals_destroy(haft_diagonals **diagonals);
 
-/* out = factor * A x - less, A the leading n rows and columns of the matrix, `less` NULL for nil.
- * Thread-safe. */
+/* out = factor * A x - less, A the leading n rows and columns of the matrix, `less` NULL for nil;
+ * `out` is neither of them. Thread-safe. */
 void haft_diagonals_multiply(const haft_diagonals *diagonals, size_t n, double factor,
-                             const double *x, const double *less, double *out);
+                             const double *x, const double *less, double *restrict out);
 
 #endif

@@ -26,7 +26,8 @@ bool haft_factor_lead(haft_factor *factor, size_t n);
 /* Refactors. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);
 
-/* The same, and solves for one right-hand side in place, which costs less than to do so after it.
+/* The same, and solves for one right-hand side in place; of a narrow matrix that costs less than to
+ * do so after it.
  * @return false if a pivot vanished or is not finite: then b holds nothing of use. */
 bool haft_factor_update_solve(haft_factor *factor, const double *values, double *b);
 

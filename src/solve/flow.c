@@ -108,16 +108,12 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
     if (!solve_damped(t, dt, t->stage[0])) {
         return false;
     }
-    double *sum = t->scratch[0];
-    const double *gradient = t->gradient;
+    double *sum = t->scratch[0], *gradient = t->other.gradient;
+    add_scaled(t->n, from->u, 1, t->stage[0], to->u);
+    if (!haft_tracker_gradient(t, to->u, to->load, gradient)) {
+        return false;
+    }
     for (int i = 1; i < STAGES; i++) {
-        if (i == 1) {
-            add_scaled(t->n, from->u, 1, t->stage[0], to->u);
-            if (!haft_tracker_gradient(t, to->u, to->load, t->other.gradient)) {
-                return false;
-            }
-            gradient = t->other.gradient;
-        }
         combine(t->n, t->stage, COUPLING[i], i, sum);
         haft_tracker_multiply_mass(t, 1 / dt, sum, gradient, t->stage[i]);
         haft_tracker_solve(t, t->stage[i]);
@@ -290,7 +286,7 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
         return true;
     }
     l->held--;
-    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->held.moving) {
+    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->model->sites) {
         return haft_zone_let_go(t, l->from);
     }
     return true;

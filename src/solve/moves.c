@@ -106,8 +106,9 @@ double haft_tracker_greatest(const haft_tracker *t, const double *gap, const dou
     measured most = greatest_motion(t, gap, motion);
     if (site != NULL && most.motion > 0) {
         *site = t->model->inert;
-        while (fabs(motion[*site]) != most.motion ||
-               haft_tracker_length(t, *site, gap[*site]) != most.length) {
+        while (*site + 1 < t->model->sites &&
+               (fabs(motion[*site]) != most.motion ||
+                haft_tracker_length(t, *site, gap[*site]) != most.length)) {
             ++*site;
         }
     }

@@ -261,7 +261,7 @@ HAFT_INLINE void solve_backwards(const haft_narrow *narrow, double *b) {
     }
 }
 
-/* The same of rows before the middle, nil of others. */
+/* entry(), nil from the middle on. */
 HAFT_INLINE lanes entry_before(const haft_narrow *narrow, const double *values, size_t i, int k) {
     return i < narrow->steps ? entry(narrow, values, i, k) : (lanes){0, 0};
 }

@@ -36,7 +36,8 @@ static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy 
     if (energy != NULL) {
         *energy = add(e, t->held.energy);
     }
-    bool finite = isfinite(e.strain + e.contact + e.rounding); /* the last, of all forces' sizes */
+    /* the rounding is of all forces' sizes but the load's */
+    bool finite = isfinite(e.strain + e.contact + e.rounding + load);
     t->not_finite += !finite;
     return finite;
 }
@@ -77,8 +78,9 @@ void haft_tracker_solve(haft_tracker *t, double *b) {
 
 bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b) {
     haft_tracker_count_factorization(t);
-    t->cost.solves++;
-    return haft_factor_update_solve(t->factor, matrix, b);
+    bool made = haft_factor_update_solve(t->factor, matrix, b);
+    t->cost.solves += made;
+    return made;
 }
 
 double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v) {
@@ -92,7 +94,7 @@ void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double f
 }
 
 void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const double *x,
-                                const double *less, double *out) {
+                                const double *less, double *restrict out) {
     haft_diagonals_multiply(t->mass, t->n, factor, x, less, out);
 }
 

@@ -51,10 +51,9 @@ typedef struct haft_zone {
 
 enum { HAFT_SITE_SCRATCH = 5 };
 
-/* What is held of a mesh: how many sites before it can move, its energies, and the force and moment
- * by which it kept the front's end in place when it began to be held. */
+/* What is held of a mesh: its energies, and the force and moment by which it kept the front's end
+ * in place when it began to be held. */
 typedef struct haft_held {
-    size_t moving;
     haft_energy energy;
     double force[2];
 } haft_held;
@@ -139,9 +138,9 @@ void haft_tracker_solve(haft_tracker *t, double *b);
  * be factored. */
 bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b);
 
-/* out = factor * M x - less, `less` NULL for nil */
+/* out = factor * M x - less, `less` NULL for nil; `out` is neither of them. */
 void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const double *x,
-                                const double *less, double *out);
+                                const double *less, double *restrict out);
 
 /* Pi of an evaluated state at its own load [J]. */
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state);

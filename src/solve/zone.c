@@ -54,15 +54,6 @@ static void keep_still(haft_tracker *t, const haft_state *state, haft_state *oth
     memcpy(other->gap + first, state->gap + first, sites * sizeof(double));
 }
 
-/* How many of the front's sites something can move. */
-static size_t moving_sites(const haft_tracker *t) {
-    size_t sites = t->model->sites;
-    while (sites > 0 && t->model->site[sites - 1].dof[0] >= (int)t->n) {
-        sites--;
-    }
-    return sites;
-}
-
 bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
                     double most) {
     const haft_model *m = t->zone[t->at].model;
@@ -78,8 +69,7 @@ bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other,
     haft_energy part;
     t->held = (haft_held){0};
     haft_tracker_evaluate(t, state->u, state->load, &part, NULL);
-    t->held = (haft_held){.moving = moving_sites(t),
-                          .energy = subtract(state->energy, part),
+    t->held = (haft_held){.energy = subtract(state->energy, part),
                           .force = {t->gradient[moving], t->gradient[moving + 1]}};
     return true;
 }

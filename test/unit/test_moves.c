@@ -55,17 +55,19 @@ static void the_greatest_move_is_found(void **state) {
 
 static void what_does_not_move_is_no_move(void **state) {
     (void)state;
-    sites s;
-    draw(&s, 3, 40, 1);
-    memset(s.motion, 0, sizeof s.motion);
-    size_t found = MOST;
-    assert_true(haft_tracker_greatest(&s.tracker, s.gap, s.motion, &found) == 0);
-    assert_int_equal(found, MOST);
-    s.motion[17] = NAN; /* passed over: what it comes of is told elsewhere */
-    s.motion[18] = -1e-9;
-    double move = haft_tracker_greatest(&s.tracker, s.gap, s.motion, &found);
-    assert_true(move == 1e-9 / length_of(&s, 18));
-    assert_int_equal(found, 18);
+    for (size_t r = 3; r < 39; r++) { /* in whole vectors and behind them */
+        sites s;
+        draw(&s, 3, 40, 1);
+        memset(s.motion, 0, sizeof s.motion);
+        size_t found = MOST;
+        assert_true(haft_tracker_greatest(&s.tracker, s.gap, s.motion, &found) == 0);
+        assert_int_equal(found, MOST);
+        s.motion[r] = NAN; /* passed over: what it comes of is told elsewhere */
+        s.motion[r + 1] = -1e-9;
+        double move = haft_tracker_greatest(&s.tracker, s.gap, s.motion, &found);
+        assert_true(move == 1e-9 / length_of(&s, r + 1));
+        assert_int_equal(found, r + 1);
+    }
 }
 
 /* The sites up to the last that goes far enough. */

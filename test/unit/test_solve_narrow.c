@@ -147,6 +147,8 @@ static void leads_with_its_first_unknowns(void **state) {
         part.n = n;
         assert_true(backward_error(&part, b, x) < 4e-16);
         assert_memory_equal(x + n, b + n, (MOST - n) * sizeof *x);
+        assert_true(haft_narrow_update_solve(whole, m.value, b));
+        assert_memory_equal(b, x, MOST * sizeof *x);
         assert_int_equal(haft_narrow_inertia(whole).negative, 0);
     }
     assert_false(haft_narrow_lead(whole, 11));
@@ -180,6 +182,10 @@ static void klu_leads_with_its_first_unknowns(void **state) {
             b[i] = x[i] = cos((double)(i * i));
         }
         haft_factor_solve(factor, x, 2);
+        double at_once[MOST];
+        memcpy(at_once, b, n * sizeof *b);
+        assert_true(haft_factor_update_solve(factor, m.value, at_once));
+        assert_memory_equal(at_once, x, n * sizeof *x);
         banded part = m;
         part.n = n;
         assert_true(backward_error(&part, b, x) < 4e-16);
@@ -214,7 +220,7 @@ static void tells_the_inertia(void **state) {
     assert_true(seen[0] > 0 && seen[1] > 0 && seen[5] > 0);
 }
 
-/* 0.5 A x - y, of the narrow and of the smallest matrices. */
+/* 0.5 A x - y, of the narrow and of the smallest matrices, and of their leading parts. */
 static void multiplies_by_diagonals(void **state) {
     (void)state;
     haft_error error = {0};
@@ -228,15 +234,17 @@ static void multiplies_by_diagonals(void **state) {
         }
         haft_diagonals *diagonals = NULL;
         check_ok(haft_diagonals_create(&diagonals, n, m.column, m.row, m.value, &error), error);
-        haft_diagonals_multiply(diagonals, n, 0.5, x, y, out[0]);
-        haft_diagonals_multiply(diagonals, n, 0.5, x, NULL, out[1]);
-        for (size_t i = 0; i < n; i++) {
-            long double sum = 0;
-            for (size_t j = 0; j < n; j++) {
-                sum += 0.5L * m.full[i][j] * x[j];
+        for (size_t part = n; part > 0; part--) {
+            haft_diagonals_multiply(diagonals, part, 0.5, x, y, out[0]);
+            haft_diagonals_multiply(diagonals, part, 0.5, x, NULL, out[1]);
+            for (size_t i = 0; i < part; i++) {
+                long double sum = 0;
+                for (size_t j = 0; j < part; j++) {
+                    sum += 0.5L * m.full[i][j] * x[j];
+                }
+                assert_true(fabs((double)(out[0][i] - (sum - y[i]))) < 2e-15);
+                assert_true(fabs((double)(out[1][i] - sum)) < 2e-15);
             }
-            assert_true(fabs((double)(out[0][i] - (sum - y[i]))) < 2e-15);
-            assert_true(fabs((double)(out[1][i] - sum)) < 2e-15);
         }
         haft_diagonals_destroy(&diagonals);
     }
@@ -289,6 +297,8 @@ static void refuses_what_cannot_be_factored(void **state) {
                 }
                 *entry(&m, i, i) = bad[k];
                 assert_false(haft_narrow_update(narrow, m.value));
+                double b[15] = {1};
+                assert_false(haft_narrow_update_solve(narrow, m.value, b));
                 haft_narrow_destroy(&narrow);
             }
         }
