@@ -9,6 +9,14 @@
 
 #include <stdlib.h>
 
+/* A law that neither pulls nor pushes at any gap a test reaches. */
+static inline haft_law nothing(void) {
+    haft_law law;
+    haft_law_vector v = {1e-3, 1e6, -1.0, -1.0 - 1e-9};
+    assert_int_equal(haft_law_morse(&law, &v, 1e6), HAFT_LAW_SOUND);
+    return law;
+}
+
 static inline void check_gradient_alone(const haft_model *model, const haft_law_rows *rows,
                                         const double *u, double load, const double *gradient) {
     double *alone = malloc(model->dofs * sizeof *alone);

@@ -170,7 +170,7 @@ void haft_model_multiply(const haft_model *model, const double *site_stiffness, 
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_displacements(model, s, x, force);
-        for (size_t i = 0; i < haft_stretch_sites(model, s); i++) {
+        for (size_t i = 0, sites = haft_stretch_sites(model, s); i < sites; i++) {
             force[i] *= site_stiffness[s->first + i];
         }
         haft_stretch_assemble(model, s, 0, force, force, y, NULL);

@@ -65,11 +65,11 @@ static double refine(haft_tracker *t, const double *b, double *x) {
 }
 
 /* Refines x, the solution of H x = b by the factors, b in scratch[0], H certified, to a relative
- * error of about `enough`. */
+ * error of about `enough`, on a mesh that needs it. */
 static void refine_all(haft_tracker *t, double *x, double enough) {
     const double *b = t->scratch[0];
     double last = INFINITY, rate = 0;
-    for (int i = 0; i < REFINEMENTS; i++) {
+    for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
         double change = refine(t, b, x);
         rate = i == 0 ? change : rate; /* the first change is what each step leaves of the error */
         if (!(change < 0.5 * last) || rate * change < enough) {
@@ -79,68 +79,53 @@ static void refine_all(haft_tracker *t, double *x, double enough) {
     }
 }
 
-/* The load's row; what is held has none. */
-static void put_load(const haft_tracker *t, double *b) {
+/* The load's row, as a right-hand side in scratch[0] and as what it is solved in; what is held has
+ * none. */
+static void put_load(haft_tracker *t) {
+    double *b = t->scratch[0];
     memset(b, 0, t->n * sizeof *b);
     haft_tracker_add_row(t, &t->model->load, 1, b);
     memset(b + t->n, 0, (t->model->dofs - t->n) * sizeof *b);
+    memcpy(t->solution, b, t->model->dofs * sizeof *b);
 }
 
 bool haft_branch_loses_digits(haft_tracker *t) {
-    put_load(t, t->scratch[0]);
-    memcpy(t->solution, t->scratch[0], t->n * sizeof *t->solution);
+    put_load(t);
     haft_tracker_solve(t, t->solution);
     return refine(t, t->scratch[0], t->solution) > LOST_DIGITS;
 }
 
 haft_inertia haft_branch_certify(haft_tracker *t) {
-    put_load(t, t->solution);
+    put_load(t);
     if (!haft_tracker_factor_solve(t, t->hessian, t->solution)) {
         return (haft_inertia){-1, 0};
     }
-    if (t->needs_refinement) {
-        put_load(t, t->scratch[0]);
-        refine_all(t, t->solution, 1e-16);
-    }
+    refine_all(t, t->solution, 1e-16);
     haft_model_displacements(t->model, t->solution, t->motion);
     return haft_factor_inertia(t->factor);
-}
-
-/* The gaps at which laws' curvatures are read, a little off `gap` against the motion times `by`. */
-HAFT_CLONES static void step_aside(const haft_tracker *t, const double *gap, double by, double *d) {
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        d[r] = gap[r] - copysign(KINK_OFFSET * t->range[r], t->motion[r] * by);
-    }
-}
-
-/* -A f'' (s u1)^2 of each site, in units of energy, the motions being `by` times those by load. */
-HAFT_CLONES static void curve(const haft_tracker *t, const double *curvature, double by,
-                              double *restrict force) {
-    double unit = 1 / t->model->energy_unit;
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        double motion = t->motion[r] * by;
-        force[r] = -(t->area[r] * unit) * curvature[r] * motion * motion;
-    }
 }
 
 /* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with the control's own second derivative nil. */
 static void second_derivatives(haft_tracker *t, const haft_state *state, haft_control control,
                                int side, double rate, haft_branch *out) {
     const haft_model *m = t->model;
-    size_t first = m->inert;
-    double *d = t->site[0], *force = t->site[1], *curvature = t->site[4];
-    haft_law_values values = {t->site[2], t->site[3], curvature + first, force};
-    step_aside(t, state->gap, side / rate, d);
-    haft_law_rows_evaluate(t->rows, first, m->sites - first, d + first, &values);
-    curve(t, curvature, 1 / rate, force);
+    double *d = t->site[0], *force = t->site[1], by_control = 1 / rate, unit = 1 / m->energy_unit;
+    haft_law_values values = {t->site[2], t->site[3], t->site[4], force};
+    for (size_t r = m->inert; r < m->sites; r++) {
+        double motion = t->motion[r] * by_control;
+        d[r] = state->gap[r] - copysign(KINK_OFFSET * t->range[r], motion * side);
+    }
+    haft_law_rows_evaluate(t->rows, m->inert, m->sites - m->inert, d + m->inert, &values);
+    for (size_t r = m->inert; r < m->sites; r++) {
+        double weight = m->site[r].area * unit, motion = t->motion[r] * by_control;
+        force[r] = -weight * values.curvature[r - m->inert] * motion * motion;
+    }
     memset(out->u2, 0, m->dofs * sizeof *out->u2);
     haft_model_add_forces(m, force, out->u2);
     memset(out->u2 + t->n, 0, (m->dofs - t->n) * sizeof *out->u2); /* what is held stays */
     memcpy(t->scratch[0], out->u2, t->n * sizeof *out->u2);
     haft_tracker_solve(t, out->u2);
-    if (t->needs_refinement) {
-        refine_all(t, out->u2, ENOUGH_OF_SECOND);
-    }
+    refine_all(t, out->u2, ENOUGH_OF_SECOND);
     out->load2 = 0;
     if (control.site != NULL) {
         out->load2 = -haft_tracker_row(t, control.site, out->u2) / rate;
@@ -204,21 +189,11 @@ double haft_branch_work(const haft_tracker *t, double dtau) {
     return work * t->model->energy_unit;
 }
 
-/* mx = M x. @return x'Mx */
-static double multiply_mass(const haft_tracker *t, const double *x, double *mx) {
-    double sum = 0;
-    haft_tracker_multiply_mass(t, 1, x, NULL, mx);
-    for (size_t i = 0; i < t->n; i++) {
-        sum += x[i] * mx[i];
-    }
-    return sum;
-}
-
 double haft_branch_least_eigenvalue(haft_tracker *t) {
     double *x = t->mode, *mx = t->scratch[0], *y = t->scratch[1], lambda = 0, last = NAN;
     for (int sweep = 0; sweep < EIGEN_SWEEPS && !(fabs(lambda - last) < 1e-3 * lambda); sweep++) {
         last = lambda;
-        double before = multiply_mass(t, x, mx), after = 0;
+        double before = haft_tracker_weigh(t, x, mx), after = 0;
         memcpy(y, mx, t->n * sizeof *y);
         haft_tracker_solve(t, y);
         for (size_t i = 0; i < t->n; i++) {

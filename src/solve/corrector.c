@@ -281,31 +281,20 @@ bool haft_corrector_lead(haft_corrector *corrector, size_t n) {
     return haft_factor_lead(corrector->factor, n);
 }
 
-/* sum |h_k u_k| over neighbours, by twos. */
-static inline double sum_of_sizes(const double *h, const double *u, int n) {
-    double even = 0, odd = 0;
-    for (int k = 0; k + 1 < n; k += 2) {
-        even += fabs(h[k] * u[k]);
-        odd += fabs(h[k + 1] * u[k + 1]);
-    }
-    return even + odd + (n % 2 > 0 ? fabs(h[n - 1] * u[n - 1]) : 0);
-}
-
 /* What rounding of u alone makes of the forces, by the Hessian at hand: no residual can be asked
- * below it. */
+ * below it. A column's terms by twos, since sums wait for each other. */
 static double rounding_floor(const haft_tracker *t, const double *u) {
     double largest = 0;
+    const double *h = t->hessian;
     const int *column = t->model->column, *row = t->model->row;
     for (size_t j = 0; j < t->n; j++) { /* H is symmetric: a column is a row */
-        int from = column[j], n = column[j + 1] - from;
-        double sum = 0;
-        if (row[from + n - 1] - row[from] == n - 1) {
-            sum = sum_of_sizes(t->hessian + from, u + row[from], n);
-        } else {
-            for (int k = from; k < from + n; k++) {
-                sum += fabs(t->hessian[k] * u[row[k]]);
-            }
+        double even = 0, odd = 0;
+        int k = column[j], end = column[j + 1];
+        for (; k + 1 < end; k += 2) {
+            even += fabs(h[k] * u[row[k]]);
+            odd += fabs(h[k + 1] * u[row[k + 1]]);
         }
+        double sum = even + odd + (k < end ? fabs(h[k] * u[row[k]]) : 0);
         largest = sum > largest ? sum : largest;
     }
     return 4 * 0x1p-52 * largest;

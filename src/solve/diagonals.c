@@ -2,12 +2,9 @@
 /* A symmetric matrix by its diagonals: in a product as many rows as a vector has lanes go along all
  * of them, without an index. Worth it where they are few and full, as a beam's seven are. */
 #include "diagonals.h"
+#include "lanes.h"
 
 #include <stdlib.h>
-
-/* Neighbouring rows. */
-enum { LANES = 8 };
-typedef double octet __attribute__((vector_size(64), aligned(8), may_alias));
 
 struct haft_diagonals {
     size_t n, count, widest;

@@ -171,11 +171,9 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
 
 /* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */
 static double departure_rate(haft_tracker *t, const double *v) {
-    double *mv = t->scratch[3], down = 0, weight = 0;
-    haft_tracker_multiply_mass(t, 1, v, NULL, mv);
+    double weight = haft_tracker_weigh(t, v, t->scratch[3]), down = 0;
     for (size_t i = 0; i < t->n; i++) {
         down -= t->gradient[i] * v[i];
-        weight += v[i] * mv[i];
     }
     return down / weight;
 }

@@ -2,16 +2,10 @@
 /* How far gaps move, by the lengths over which their forces change. Many times a step, so that it
  * is vector code, and without a division: those are dearer than all else in it. By hand, since
  * compilers see no vector in two numbers chosen by one comparison. */
+#include "lanes.h"
 #include "tracker.h"
 
 #include <math.h>
-
-enum { LANES = HAFT_LAW_LANES };
-
-/* As many numbers as a law has lanes, and what comparing them gives: all bits or none. */
-typedef double octet __attribute__((vector_size(64), aligned(8), may_alias));
-typedef int64_t octet_bits __attribute__((vector_size(64), aligned(8), may_alias));
-_Static_assert(sizeof(octet) == LANES * sizeof(double), "lanes are an octet");
 
 /* A motion and the length that it is to be measured by; and as many as there are lanes. */
 typedef struct measured {

@@ -98,6 +98,15 @@ void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const doub
     haft_diagonals_multiply(t->mass, t->n, factor, x, less, out);
 }
 
+double haft_tracker_weigh(const haft_tracker *t, const double *x, double *restrict mx) {
+    double sum = 0;
+    haft_tracker_multiply_mass(t, 1, x, NULL, mx);
+    for (size_t i = 0; i < t->n; i++) {
+        sum += x[i] * mx[i];
+    }
+    return sum;
+}
+
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state) {
     return state->energy.strain + state->energy.contact -
            state->load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, state->u);
@@ -141,7 +150,7 @@ static haft_path_options resolve(const haft_path_options *given) {
 
 /* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
  * by the same walk. */
-enum { VECTORS = 21, SITE_VECTORS = 13 + HAFT_SITE_SCRATCH };
+enum { VECTORS = 21, SITE_VECTORS = 12 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
                              &t->null,       &t->scratch[0],     &t->scratch[1], &t->scratch[2],
@@ -157,7 +166,7 @@ static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
         &t->range,    &t->reach,          &t->far,     &t->nil,           &t->gap_before,
         &t->gap,      &t->site_stiffness, &t->motion,  &t->gap_predicted, &t->here.gap,
         &t->next.gap, &t->spare.gap,      &t->site[0], &t->site[1],       &t->site[2],
-        &t->site[3],  &t->site[4],        &t->area};
+        &t->site[3],  &t->site[4]};
     memcpy(vector, all, sizeof all);
 }
 
@@ -204,7 +213,6 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
 
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t r = 0; r < t->model->sites; r++) {
-        t->area[r] = t->model->site[r].area;
         t->range[r] = haft_law_range(&t->laws[r]);
         t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
         t->far[r] = haft_law_reach(&t->laws[r], FAINT_SHARE);

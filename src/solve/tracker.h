@@ -74,7 +74,6 @@ typedef struct haft_tracker {
     haft_path_options options;
     haft_programme programme;
     double load_unit;                    /* energy_unit / gap [N] */
-    double *area;                        /* of each site [m^2] */
     double *range, *reach;               /* of each site: its law's range; felt within [m] */
     double *far, *nil;                   /* next to nil beyond; nil to the last digit beyond [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
@@ -141,6 +140,9 @@ bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b)
 /* out = factor * M x - less, `less` NULL for nil; `out` is neither of them. */
 void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const double *x,
                                 const double *less, double *restrict out);
+
+/* mx = M x. @return x'Mx */
+double haft_tracker_weigh(const haft_tracker *t, const double *x, double *restrict mx);
 
 /* Pi of an evaluated state at its own load [J]. */
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state);

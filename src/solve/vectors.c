@@ -2,10 +2,9 @@
 /* The operations of KINSOL's iterations. SUNDIALS' own go through one number after another, which
  * is a tenth of the time of short beams. */
 #include "vectors.h"
+#include "lanes.h"
 
 #include <math.h>
-
-enum { LANES = 8 };
 
 /* sqrt(sum (x w)^2). */
 HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {

@@ -3,7 +3,7 @@
  * condition grows like h^-4, and a bare factorization keeps two digits at the finest (6000
  * unknowns). Yet every mesh that has its sites and its load on nodes is the exact discretisation,
  * so that all must follow one and the same path, and, out of reach, the closed form. */
-#include "check.h"
+#include "evaluate.h"
 #include "haft/solve.h"
 
 #include <time.h>
@@ -40,11 +40,9 @@ static void the_free_beam_keeps_its_digits(void **state) {
     (void)state;
     for (int e = 0; e < MESHES; e++) {
         haft_model *model = make_beam(ELEMENT[e]);
-        haft_law *law = haft_memory_alloc(model->sites, sizeof *law, NULL), none;
-        haft_law_vector v = {1e-3, 1e6, -1.0, -1.0 - 1e-9}; /* nothing within a metre */
-        assert_int_equal(haft_law_morse(&none, &v, 1e6), HAFT_LAW_SOUND);
+        haft_law *law = haft_memory_alloc(model->sites, sizeof *law, NULL);
         for (size_t r = 0; r < model->sites; r++) {
-            law[r] = none;
+            law[r] = nothing();
         }
         double load = 1e-6, worst = 0;
         haft_path *path = follow(model, law, 1e-9, load);

@@ -5,14 +5,6 @@
 
 static const haft_beam_spec BEAM = {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9};
 
-/* A law that neither pulls nor pushes at any gap a test reaches. */
-static haft_law nothing(void) {
-    haft_law law;
-    haft_law_vector v = {1e-3, 1e6, -1.0, -1.0 - 1e-9};
-    assert_int_equal(haft_law_morse(&law, &v, 1e6), HAFT_LAW_SOUND);
-    return law;
-}
-
 /* Solves K u = load by the path follower, up to a load limit far from any contact. */
 typedef struct solved {
     haft_model *model;
