@@ -29,13 +29,14 @@ const size_t haft_hdf_point_column_count =
 _Static_assert(sizeof(haft_jump_kind) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_departure) == sizeof(int), "enums are ints");
 const haft_hdf_column haft_hdf_jump_columns[] = {
-    REAL(haft_jump, load, "load", "N", "load of the fold"),
+    REAL(haft_jump, load, "load", "N", "load of the fold; 0 of a flow from u = 0"),
     INT(haft_jump, site, "site", "site that moves most in the fold's null vector"),
     REAL(haft_jump, dissipated, "dissipated", "J", "fall of the potential at the fold's load"),
     INT(haft_jump, kind, "kind", "0 pull-in, 1 pull-out"),
     INT(haft_jump, phase, "phase", "0 loading, 1 unloading"),
     INT(haft_jump, departure, "departure",
-        "how the branch ended: 0 fold, 1 bifurcation, 2 several null vectors at once"),
+        "how the branch ended: 0 fold, 1 bifurcation, 2 several null vectors at once; 3: it began "
+        "with a flow from u = 0"),
     INT(haft_jump, sites_switched, "sites_switched", "sites that came into or went out of reach"),
     REAL(haft_jump, crack_before, "crack_before", "m", "crack length at the fold"),
     REAL(haft_jump, crack_after, "crack_after", "m", "crack length at the landing"),
