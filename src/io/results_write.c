@@ -227,8 +227,10 @@ static haft_status check_addition(const haft_results *results, size_t realizatio
                               "%s: realization %zu was added before or is not one of %zu",
                               results->path, realization, results->c.realizations);
     }
+    /* a beam that found no state at all has none to keep, and is a result all the same */
+    bool lost = path->state == NULL && path->points > 0;
     if (haft_case_wants_evidence(&results->c, realization) &&
-        (path->state == NULL || model->nodes == 0 || model->dofs != 2 * (model->nodes - 1))) {
+        (lost || model->nodes == 0 || model->dofs != 2 * (model->nodes - 1))) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                               "%s: realization %zu shall leave evidence, but its states were not "
                               "kept or its structure is no clamped beam",
@@ -270,7 +272,7 @@ haft_status haft_results_add(haft_results *results, size_t realization, const ha
 static void write_summary(haft_hdf *hdf, const haft_results *results) {
     haft_hdf_write_columns(hdf, "/summary", haft_hdf_summary_column_count, haft_hdf_summary_columns,
                            results->summary, sizeof *results->summary, results->c.realizations);
-    char names[512] = "-1 never computed";
+    char names[2048] = "-1 never computed";
     size_t used = strlen(names);
     for (int i = 0; i < HAFT_OUTCOMES && used < sizeof names; i++) {
         int n = snprintf(names + used, sizeof names - used, ", %d %s", i,

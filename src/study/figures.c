@@ -293,10 +293,16 @@ static haft_status write_path(const haft_case *c, const haft_laws *laws, const c
     haft_path *path = NULL;
     haft_results_shapes *shapes = NULL;
     haft_status status = haft_results_read_path(&path, results_path, realization, error);
+    if (status == HAFT_OK && path->points == 0) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s: realization %zu found no state (%s), so there is nothing to "
+                                "draw; choose another realization",
+                                results_path, realization, haft_outcome_name(path->outcome));
+    }
     if (status == HAFT_OK) {
         status = haft_study_shapes(&shapes, c, laws, results_path, realization, error);
     }
-    if (status == HAFT_OK && (path->points == 0 || shapes->points != path->points)) {
+    if (status == HAFT_OK && shapes->points != path->points) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "%s: realization %zu holds %zu points and %zu shapes; run the "
                                 "case again with --force",

@@ -305,6 +305,44 @@ static void results_read_back_to_the_same_bits(void **state) {
     scratch_remove(&s);
 }
 
+/* A beam that found no state leaves evidence without states, beside the others' results. */
+static void beam_without_a_state_is_a_row(void **state) {
+    (void)state;
+    scratch s = scratch_create();
+    char file[400];
+    scratch_path(&s, "results.h5", file);
+    haft_error error = {0};
+    haft_case *c = read_model(3);
+    haft_results *results = NULL;
+    check_ok(haft_results_create(&results, file, c, "", false, &error), error);
+    sample x;
+    make_sample(&x, 1.25);
+    x.path = (haft_path){.outcome = HAFT_OUTCOME_STEP_STALLED, .end_influence = NAN};
+    x.summary = (haft_summary){
+        .crack_length = NAN, .loaded_crack_length = NAN, .outcome = HAFT_OUTCOME_STEP_STALLED};
+    assert_true(haft_case_wants_evidence(c, 0));
+    check_ok(haft_results_add(results, 0, &x.path, &x.model, x.laws, x.vectors, &x.summary, &error),
+             error);
+    check_ok(haft_results_finish(&results, &error), error);
+    haft_case_destroy(&c);
+    haft_results_view *view = NULL;
+    check_ok(haft_results_read(&view, file, &error), error);
+    assert_int_equal(view->summary[0].outcome, HAFT_OUTCOME_STEP_STALLED);
+    assert_true(isnan(view->summary[0].crack_length));
+    assert_int_equal(view->summary[1].outcome, -1);
+    haft_results_view_destroy(&view);
+    haft_path *path = NULL;
+    check_ok(haft_results_read_path(&path, file, 0, &error), error);
+    assert_true(path->points == 0 && path->jumps == 0);
+    assert_int_equal(path->outcome, HAFT_OUTCOME_STEP_STALLED);
+    haft_path_destroy(&path);
+    haft_results_shapes *shapes = NULL;
+    check_ok(haft_results_read_shapes(&shapes, file, 0, &error), error);
+    assert_true(shapes->points == 0 && shapes->nodes == 4);
+    haft_results_shapes_destroy(&shapes);
+    scratch_remove(&s);
+}
+
 static void check_same_files(const char *a, const char *b) {
     size_t m = 0, n = 0;
     char *left = read_whole_file(a, &m), *right = read_whole_file(b, &n);
@@ -472,6 +510,7 @@ int main(void) {
         cmocka_unit_test(laws_read_back_to_the_same_bits),
         cmocka_unit_test(laws_with_some_curves_read_back),
         cmocka_unit_test(results_read_back_to_the_same_bits),
+        cmocka_unit_test(beam_without_a_state_is_a_row),
         cmocka_unit_test(written_twice_is_the_same_file),
         cmocka_unit_test(documented_names_are_there),
         cmocka_unit_test(csv_holds_rows_and_columns),
