@@ -62,9 +62,20 @@ typedef struct walk {
     void *user;
     size_t links, links_most;
     int depth, depth_most;
+    haddr_t above[HAFT_HDF_DEPTH_MOST + 1]; /* the groups that the object lies in, from the root */
     char path[1024];
     const char *reason;
 } walk;
+
+/* A group that a link leads back to would be walked round and round. */
+static bool leads_back(const walk *w, haddr_t address) {
+    for (int i = 0; i <= w->depth; i++) {
+        if (w->above[i] == address) {
+            return true;
+        }
+    }
+    return false;
+}
 
 static herr_t step(hid_t group, const char *name, const H5L_info_t *link, void *user) {
     walk *w = user;
@@ -73,7 +84,7 @@ static herr_t step(hid_t group, const char *name, const H5L_info_t *link, void *
         w->reason = "too many objects";
         return -1;
     }
-    if (link->type != H5L_TYPE_HARD) {
+    if (link->type != H5L_TYPE_HARD || leads_back(w, link->u.address)) {
         return 0;
     }
     if (w->depth >= w->depth_most || used + n + 2 > sizeof w->path) {
@@ -89,7 +100,7 @@ static herr_t step(hid_t group, const char *name, const H5L_info_t *link, void *
     H5I_type_t kind = H5Iget_type(object);
     herr_t status = w->visit(w->user, w->path, object, kind, link->u.address);
     if (status >= 0 && kind == H5I_GROUP) {
-        w->depth++;
+        w->above[++w->depth] = link->u.address;
         status = H5Literate(object, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, step, w);
         w->depth--;
     }
@@ -100,7 +111,10 @@ static herr_t step(hid_t group, const char *name, const H5L_info_t *link, void *
 
 const char *haft_hdf_walk(hid_t file, int depth_most, size_t links_most, haft_hdf_visit *visit,
                           void *user) {
+    depth_most = depth_most < HAFT_HDF_DEPTH_MOST ? depth_most : HAFT_HDF_DEPTH_MOST;
     walk w = {.visit = visit, .user = user, .links_most = links_most, .depth_most = depth_most};
+    H5O_info_t root; /* of basic information alone: all of it crashes on damaged headers */
+    w.above[0] = H5Oget_info2(file, &root, H5O_INFO_BASIC) >= 0 ? root.addr : HADDR_UNDEF;
     herr_t status = H5Literate(file, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, step, &w);
     return status >= 0 || w.reason != NULL ? w.reason : "groups that cannot be read";
 }
@@ -112,8 +126,8 @@ static const char *check_filters(hid_t creation) {
     for (int i = 0; i < filters; i++) {
         unsigned flags = 0, setting = 0;
         size_t count = 0;
-        H5Z_filter_t id = H5Pget_filter2(creation, (unsigned)i, &flags, &count, NULL, 0, NULL,
-                                         &setting);
+        H5Z_filter_t id =
+            H5Pget_filter2(creation, (unsigned)i, &flags, &count, NULL, 0, NULL, &setting);
         if (id < H5Z_FILTER_DEFLATE || id > H5Z_FILTER_SCALEOFFSET) {
             return "is packed by a filter that is no part of HDF5 itself; unpack it with h5repack "
                    "-f NONE";

@@ -25,8 +25,7 @@ static void copy_attribute(haft_hdf *to, hid_t object, const char *path, const c
     double real = 0;
     if (haft_hdf_get_attribute(object, name, HAFT_HDF_TEXT, 1, &text) == HAFT_HDF_FOUND) {
         haft_hdf_write_text(to, path, name, text);
-    } else if (haft_hdf_get_attribute(object, name, HAFT_HDF_COUNTS, 1, &count) ==
-               HAFT_HDF_FOUND) {
+    } else if (haft_hdf_get_attribute(object, name, HAFT_HDF_COUNTS, 1, &count) == HAFT_HDF_FOUND) {
         haft_hdf_write_count(to, path, name, count);
     } else if (haft_hdf_get_attribute(object, name, HAFT_HDF_REALS, 1, &real) == HAFT_HDF_FOUND) {
         haft_hdf_write_real(to, path, name, real);
@@ -71,8 +70,8 @@ static void copy_dataset(copier *c, hid_t dataset, const char *path) {
                        H5P_DEFAULT, value) < 0) {
         haft_hdf_refuse(&c->from, "has %s that cannot be read", path);
     } else {
-        haft_hdf_write(&c->to, path, real ? HAFT_HDF_REAL : HAFT_HDF_INT, set.rank, set.dims,
-                       value, "", "");
+        haft_hdf_write(&c->to, path, real ? HAFT_HDF_REAL : HAFT_HDF_INT, set.rank, set.dims, value,
+                       "", "");
     }
     haft_memory_free(value);
 }
@@ -98,8 +97,8 @@ static void copy_all(copier *c) {
     }
     haft_hdf_begin(&c->to);
     copy_attributes(c, root, "/");
-    const char *reason = haft_hdf_walk(root, DEPTH_MOST, c->from.file_bytes / OBJECT_BYTES,
-                                       copy_object, c);
+    const char *reason =
+        haft_hdf_walk(root, DEPTH_MOST, c->from.file_bytes / OBJECT_BYTES, copy_object, c);
     if (reason != NULL) {
         haft_hdf_refuse(&c->from, "has %s", reason);
     }

@@ -146,4 +146,3 @@ void haft_hdf_close(haft_hdf *hdf) {
     haft_memory_free(hdf->bytes);
     hdf->bytes = NULL;
 }
-
