@@ -23,10 +23,10 @@ static hid_t step_down(hid_t group, const char *name, const char **reason) {
         return -1;
     }
     if (link.type != H5L_TYPE_HARD) {
-        *reason = link.type == H5L_TYPE_EXTERNAL
-                      ? "is an external link, which leads out of the file; put the data themselves "
-                        "there"
-                      : "is a soft link, which is not followed; put the data themselves there";
+        *reason =
+            link.type == H5L_TYPE_EXTERNAL
+                ? "is behind an external link, out of the file; put the data themselves there"
+                : "is behind a soft link, which is not followed; put the data themselves there";
         return -1;
     }
     hid_t object = H5Oopen(group, name, H5P_DEFAULT);

@@ -156,9 +156,9 @@ static void no_links_are_followed_but_hard_ones(void **state) {
     assert_true(H5Lcreate_soft("/out/z", file, "soft", H5P_DEFAULT, H5P_DEFAULT) >= 0);
     assert_true(H5Fclose(file) >= 0);
     refuse(path, NULL, "no two-dimensional dataset");
-    refuse(path, "out/z", "is an external link");
-    refuse(path, "/out", "is an external link");
-    refuse(path, "soft", "is a soft link");
+    refuse(path, "out/z", "is behind an external link");
+    refuse(path, "/out", "is behind an external link");
+    refuse(path, "soft", "is behind a soft link");
     file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
     hid_t group = H5Gcreate2(file, "in", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     hdf_matrix(group, "z", HDF_SIDE, HDF_SIDE, &PLAIN);
