@@ -52,7 +52,7 @@ static void write_attribute(const char *path, const char *name, hid_t type, hsiz
 static void units_are_one_short_text(void **state) {
     (void)state;
     static const char says[] = "an attribute `unit` that is not one text";
-    static const char many[1000][60] = {"nm"}, text[60000] = "nm";
+    static const char many[1000][60] = {"nm"}, text[60000] = "nm", weight[60] = "kg";
     static const char *variable[] = {"um", "um", "um", "um"};
     scratch s = scratch_create();
     char path[400];
@@ -79,7 +79,7 @@ static void units_are_one_short_text(void **state) {
     refuse(path, NULL, says);
     write_attribute(path, "unit", H5T_NATIVE_DOUBLE, 0, &number);
     refuse(path, NULL, says);
-    write_attribute(path, "unit", fixed, 0, "kg");
+    write_attribute(path, "unit", fixed, 0, weight);
     refuse(path, NULL, says);
     H5Tclose(fixed);
     H5Tclose(any);
@@ -309,7 +309,7 @@ static void changed_bytes_do_no_harm(void **state) {
     scratch_path(&s, "m.h5", path);
     haft_random_key key = {23, HAFT_RANDOM_TEST};
     int refused = 0;
-    for (uint64_t k = 0; k < 800; k++) {
+    for (uint64_t k = 0; k < 400; k++) {
         uint64_t w[4];
         size_t length = 0;
         haft_map *map = NULL;
@@ -327,7 +327,7 @@ static void changed_bytes_do_no_harm(void **state) {
         refused += status != HAFT_OK;
         haft_map_destroy(&map);
     }
-    assert_in_range(refused, 20, 700);
+    assert_in_range(refused, 10, 380);
     scratch_remove(&s);
 }
 
