@@ -96,7 +96,6 @@ hid_t haft_hdf_enter(hid_t file, const char *path, const char **reason);
 
 typedef struct haft_hdf_set {
     H5T_class_t class; /* H5T_FLOAT or H5T_INTEGER; H5T_NO_CLASS of all others */
-    bool is_signed;
     size_t type_bytes;
     int rank; /* 0: no array */
     hsize_t dims[H5S_MAX_RANK];

@@ -192,7 +192,6 @@ static void measure(hid_t dataset, haft_hdf_set *set) {
     }
     set->class = type >= 0 ? H5Tget_class(type) : H5T_NO_CLASS;
     set->type_bytes = type >= 0 ? H5Tget_size(type) : 0;
-    set->is_signed = set->class != H5T_INTEGER || H5Tget_sign(type) != H5T_SGN_NONE;
     if (space >= 0) {
         H5Sclose(space);
     }

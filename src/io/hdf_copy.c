@@ -47,7 +47,7 @@ static void copy_attributes(copier *c, hid_t object, const char *path) {
     }
 }
 
-/* The rows of `columns` numbers go through memory at once, as the reader wants them too. */
+/* As doubles or ints, which is what the readers take. */
 static void copy_dataset(copier *c, hid_t dataset, const char *path) {
     haft_hdf_set set;
     const char *reason = haft_hdf_inspect(&set, dataset, c->from.file_bytes);

@@ -22,25 +22,30 @@ void haft_hdf_refuse(haft_hdf *hdf, const char *format, ...) {
 
 /* ---- objects ---- */
 
-/* Opens what must be there, or refuses the file. */
-static hid_t open_object(haft_hdf *hdf, const char *path) {
+/* Opens what a path leads to. A link that is not followed is refused; what is not there is up to
+ * the caller. */
+static hid_t enter(haft_hdf *hdf, const char *path) {
     const char *reason = NULL;
     hid_t object = hdf->status == HAFT_OK ? haft_hdf_enter(hdf->file, path, &reason) : -1;
-    if (object < 0 && reason == haft_hdf_missing) {
-        haft_hdf_refuse(hdf, "lacks %s", path);
-    } else if (object < 0 && reason != NULL) {
+    if (object < 0 && reason != NULL && reason != haft_hdf_missing) {
         haft_hdf_refuse(hdf, "has %s, which %s", path, reason);
     }
     return object;
 }
 
+/* Opens what must be there. */
+static hid_t open_object(haft_hdf *hdf, const char *path) {
+    hid_t object = enter(hdf, path);
+    if (object < 0) {
+        haft_hdf_refuse(hdf, "lacks %s", path);
+    }
+    return object;
+}
+
 bool haft_hdf_has(haft_hdf *hdf, const char *path) {
-    const char *reason = NULL;
-    hid_t object = hdf->status == HAFT_OK ? haft_hdf_enter(hdf->file, path, &reason) : -1;
+    hid_t object = enter(hdf, path);
     if (object >= 0) {
         H5Oclose(object);
-    } else if (reason != NULL && reason != haft_hdf_missing) {
-        haft_hdf_refuse(hdf, "has %s, which %s", path, reason);
     }
     return object >= 0;
 }
@@ -101,7 +106,7 @@ void haft_hdf_read_count(haft_hdf *hdf, const char *object, const char *name, ui
 /* Opens a dataset and takes its shape, or refuses it. */
 static hid_t open_dataset(haft_hdf *hdf, const char *path, int rank, haft_hdf_set *set) {
     const char *reason = NULL;
-    hid_t dataset = haft_hdf_has(hdf, path) ? haft_hdf_enter(hdf->file, path, &reason) : (hid_t)-1;
+    hid_t dataset = enter(hdf, path);
     if (dataset < 0 || H5Iget_type(dataset) != H5I_DATASET) {
         haft_hdf_refuse(hdf, "lacks the dataset %s", path);
     } else if ((reason = haft_hdf_inspect(set, dataset, hdf->file_bytes)) != NULL) {
@@ -121,7 +126,7 @@ static hid_t open_dataset(haft_hdf *hdf, const char *path, int rank, haft_hdf_se
 void haft_hdf_shape(haft_hdf *hdf, const char *path, int rank, size_t *dims) {
     haft_hdf_set set;
     memset(dims, 0, (size_t)rank * sizeof *dims);
-    hid_t dataset = hdf->status == HAFT_OK ? open_dataset(hdf, path, rank, &set) : (hid_t)-1;
+    hid_t dataset = open_dataset(hdf, path, rank, &set);
     if (dataset >= 0) {
         for (int i = 0; i < rank; i++) {
             dims[i] = (size_t)set.dims[i];
@@ -133,7 +138,7 @@ void haft_hdf_shape(haft_hdf *hdf, const char *path, int rank, size_t *dims) {
 void haft_hdf_read(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
                    const size_t *dims, void *value) {
     haft_hdf_set set;
-    hid_t dataset = hdf->status == HAFT_OK ? open_dataset(hdf, path, rank, &set) : (hid_t)-1;
+    hid_t dataset = open_dataset(hdf, path, rank, &set);
     if (dataset < 0) {
         return;
     }
