@@ -8,7 +8,11 @@
  *  database (see haft_units): one thread at a time too. The others are thread-safe.
  *
  *  A data file is HDF5 behind 512 bytes that hold its length and checksum; HDF5 skips them (they
- *  are a user block). But for /summary/seconds, the same contents make the same bytes. */
+ *  are a user block). Readers take a file whole into memory and verify its checksum before HDF5
+ * sees it. A file without a checksum (rewritten by another HDF5 tool), and a height map in HDF5,
+ * are read in a child process: where that crashes or does not end, the file is refused as damaged.
+ * No reader follows soft or external links or reads data out of other files. But for
+ * /summary/seconds, the same contents make the same bytes. */
 #ifndef HAFT_IO_H
 #define HAFT_IO_H
 
@@ -51,7 +55,7 @@ typedef struct haft_laws {
 haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
                                const char *origin, haft_error *error) HAFT_MUST_CHECK;
 
-/** Reads the digest and the origin of laws.h5 alone, and checks nothing but their shape. */
+/** Reads the digest and the origin of laws.h5 alone, once its checksum is verified. */
 haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_DIGEST_CAPACITY],
                            const char *path, haft_error *error) HAFT_MUST_CHECK;
 
@@ -104,7 +108,7 @@ haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const cha
 
 /** Reads and checks laws.h5: checksum, signature, layout version, shapes, finiteness (forces and
  *  distances, and the vectors of sound laws). A file rewritten by another HDF5 tool has no checksum
- *  and is read without that guard.
+ *  and is read in a child process.
  *  @param[out] out the laws; NULL after a failure
  *  @param[out] digest may be NULL: of the inputs it was built from
  *  @param[in] path of laws.h5
@@ -323,8 +327,7 @@ haft_status haft_parts_clear(haft_parts *parts, haft_error *error) HAFT_MUST_CHE
  *  FOLDER.tmp.PID, so that a process killed meanwhile leaves all parts or none. */
 haft_status haft_parts_retire(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
-/** What `haft plot` and `haft info` need of a results file. Reading it checks the whole file
- *  against its checksum; the readers of one realization check the length alone. */
+/** What `haft plot` and `haft info` need of a results file. */
 typedef struct haft_results_view {
     size_t realizations;   /**< of the case */
     haft_summary *summary; /**< realizations */
@@ -339,9 +342,34 @@ haft_status haft_results_read(haft_results_view **out, const char *path,
 /** Frees a view and sets the pointer to NULL; NULL is allowed. */
 void haft_results_view_destroy(haft_results_view **view);
 
-/** Reads one realization's path and jumps back (no states). */
+/** Reads one realization's path and jumps back (no states). It reads the whole file to verify it:
+ *  for many realizations open it once. */
 haft_status haft_results_read_path(haft_path **out, const char *path, size_t realization,
                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** A results file that is open for reading: verified, and in memory as a whole. */
+typedef struct haft_results_file haft_results_file;
+
+/** Reads results.h5 into memory and verifies it.
+ *  @param[out] out the file; NULL after a failure
+ *  @param[in] path of results.h5
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged,
+ *  HAFT_ERROR_MEMORY. */
+haft_status haft_results_open(haft_results_file **out, const char *path,
+                              haft_error *error) HAFT_MUST_CHECK;
+
+/** haft_results_read_path() out of an open file.
+ *  @param[out] out the path; NULL after a failure
+ *  @param[in] file from haft_results_open()
+ *  @param[in] realization from 0
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INPUT if that realization is not there or damaged, HAFT_ERROR_MEMORY. */
+haft_status haft_results_take_path(haft_path **out, haft_results_file *file, size_t realization,
+                                   haft_error *error) HAFT_MUST_CHECK;
+
+/** Closes it and sets the pointer to NULL; NULL is allowed. */
+void haft_results_close(haft_results_file **file);
 
 /** Beam shapes kept as evidence. */
 typedef struct haft_results_shapes {

@@ -13,6 +13,7 @@
 /* A file or a group being written or read. */
 typedef struct haft_hdf {
     hid_t file;
+    void *bytes;        /* of a file being read */
     const char *path;   /* for messages */
     const char *remedy; /* what to do about a file that cannot be read */
     size_t file_bytes;  /* of a file being read */
@@ -20,13 +21,21 @@ typedef struct haft_hdf {
     haft_error *error;
 } haft_hdf;
 
-/* HDF5's own printing of errors, turned off between these two. */
+/* ---- the library itself: hdf_image.c ---- */
+
+/* Between these two HDF5 prints no errors, and loads no plugins, which a file can ask for. */
 typedef struct haft_hdf_voice {
     H5E_auto2_t function;
     void *data;
+    unsigned plugins;
+    bool plugins_known;
 } haft_hdf_voice;
 haft_hdf_voice haft_hdf_hush(void);
 void haft_hdf_unhush(haft_hdf_voice voice);
+
+/* Opens an HDF5 file in memory for reading; the bytes must stay until it is closed. Negative if it
+ * is none. */
+hid_t haft_hdf_open_image(const void *bytes, size_t size);
 
 /* Notes a failure of the library, with the innermost message of its own. */
 void haft_hdf_fail(haft_hdf *hdf, const char *what);
@@ -54,6 +63,9 @@ void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int ran
                     const hsize_t *dims, const void *value, const char *unit,
                     const char *description);
 
+/* Makes a group, and those on the way. */
+void haft_hdf_write_group(haft_hdf *hdf, const char *path);
+
 /* Writes columns of n structs into a group. */
 void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
                             const haft_hdf_column *column, const void *rows, size_t stride,
@@ -67,18 +79,79 @@ void haft_hdf_write_count(haft_hdf *hdf, const char *object, const char *name, u
 void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c,
                            const char *laws_digest);
 
+/* The bytes of the file in memory, freed with haft_memory_free(). */
+void haft_hdf_take_image(haft_hdf *hdf, void **bytes, size_t *size);
+
 /* Puts the file in memory into a store, under a checksum, and commits it; closes both. */
 haft_status haft_hdf_store(haft_hdf *hdf, haft_store *store);
 
-/* ---- reading: hdf_read.c ---- */
+/* ---- what a file may ask of the library: hdf_check.c ---- */
 
-/* Opens a file and checks format and layout version. With `verify` its checksum too, which reads it
- * whole: damage is then found before the library sees it. */
-haft_status haft_hdf_open(haft_hdf *hdf, const char *path, const char *format, bool verify,
-                          haft_error *error);
+/* The reason of haft_hdf_enter() where there is no such link. */
+extern const char haft_hdf_missing[];
+
+/* Opens the object that hard links lead to; negative, and why not, if there is none. Close it with
+ * H5Oclose(). */
+hid_t haft_hdf_enter(hid_t file, const char *path, const char **reason);
+
+typedef struct haft_hdf_set {
+    H5T_class_t class; /* H5T_FLOAT or H5T_INTEGER; H5T_NO_CLASS of all others */
+    size_t type_bytes;
+    int rank; /* 0: no array */
+    hsize_t dims[H5S_MAX_RANK];
+} haft_hdf_set;
+
+/* Checks that an open dataset lies in the file, is packed by HDF5's own filters and, if it is of
+ * numbers, that the file can hold it. NULL, or what is wrong ("is a virtual dataset ..."). */
+const char *haft_hdf_inspect(haft_hdf_set *set, hid_t dataset, size_t file_bytes);
+
+/* Visits all objects that hard links lead to, groups before what they hold; `path` begins with a
+ * slash. An object is met once a link: its address tells whether it is the same. A link back to a
+ * group that it lies in is passed over. Ends where `visit` returns less than 0. `depth_most` is at
+ * most HAFT_HDF_DEPTH_MOST. NULL, or why not all were visited: "too many objects", "groups nested
+ * too deep" ... */
+enum { HAFT_HDF_DEPTH_MOST = 64 };
+typedef herr_t haft_hdf_visit(void *user, const char *path, hid_t object, H5I_type_t kind,
+                              haddr_t address);
+const char *haft_hdf_walk(hid_t file, int depth_most, size_t links_most, haft_hdf_visit *visit,
+                          void *user);
+
+typedef enum haft_hdf_kind {
+    HAFT_HDF_TEXT,   /* char *, freed with haft_memory_free(): one text of at most 1 MiB */
+    HAFT_HDF_REALS,  /* double[points] */
+    HAFT_HDF_COUNTS, /* uint64_t[points] */
+} haft_hdf_kind;
+typedef enum haft_hdf_found {
+    HAFT_HDF_FOUND,
+    HAFT_HDF_ABSENT,
+    HAFT_HDF_FOREIGN, /* of another class, number of points or length */
+    HAFT_HDF_UNREADABLE,
+    HAFT_HDF_NO_MEMORY,
+} haft_hdf_found;
+
+/* Reads an attribute of an open object: the one door to all of them. `points` is 1 for a text. */
+haft_hdf_found haft_hdf_get_attribute(hid_t object, const char *name, haft_hdf_kind kind,
+                                      size_t points, void *value);
+
+/* ---- opening: hdf_open.c, hdf_copy.c ---- */
+
+/* Reads a file whole, verifies its checksum, opens it in memory, and checks format and layout
+ * version. A file without a checksum is not opened: a child process makes a copy of what Haft
+ * reads, and that is opened. */
+haft_status haft_hdf_open(haft_hdf *hdf, const char *path, const char *format, haft_error *error);
 void haft_hdf_close(haft_hdf *hdf);
 
+/* Puts a new HDF5 file in memory in the place of hdf->bytes, written by a child process that read
+ * those: groups, their attributes, and datasets of numbers. */
+void haft_hdf_copy_apart(haft_hdf *hdf);
+
+/* ---- reading: hdf_read.c ---- */
+
+/* Is there such an object? A link that is not followed is refused. */
 bool haft_hdf_has(haft_hdf *hdf, const char *path);
+
+/* Is there such an attribute? */
+bool haft_hdf_has_attribute(haft_hdf *hdf, const char *object, const char *name);
 
 /* Shape of a dataset of the given rank; each extent at least 0, and no more data than the file can
  * hold. */

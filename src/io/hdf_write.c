@@ -8,17 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-haft_hdf_voice haft_hdf_hush(void) {
-    haft_hdf_voice voice = {NULL, NULL};
-    H5Eget_auto2(H5E_DEFAULT, &voice.function, &voice.data);
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    return voice;
-}
-
-void haft_hdf_unhush(haft_hdf_voice voice) {
-    H5Eset_auto2(H5E_DEFAULT, voice.function, voice.data);
-}
-
 static herr_t keep_first(unsigned n, const H5E_error2_t *entry, void *data) {
     const char **message = data;
     if (n == 0 && entry->desc != NULL) {
@@ -206,6 +195,13 @@ static hid_t open_group(haft_hdf *hdf, const char *path) {
     return group;
 }
 
+void haft_hdf_write_group(haft_hdf *hdf, const char *path) {
+    hid_t group = hdf->status == HAFT_OK ? open_group(hdf, path) : -1;
+    if (group >= 0) {
+        H5Gclose(group);
+    }
+}
+
 void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
                             const haft_hdf_column *column, const void *rows, size_t stride,
                             size_t n) {
@@ -242,28 +238,43 @@ void haft_hdf_make_header(char header[HAFT_HDF_HEADER], uint64_t size, const cha
              HAFT_HDF_HEADER, (unsigned long long)size, digest);
 }
 
-static void store_image(haft_hdf *hdf, haft_store *store) {
-    ssize_t size =
+void haft_hdf_take_image(haft_hdf *hdf, void **bytes, size_t *size) {
+    *bytes = NULL;
+    *size = 0;
+    if (hdf->status != HAFT_OK) {
+        return;
+    }
+    ssize_t n =
         H5Fflush(hdf->file, H5F_SCOPE_GLOBAL) < 0 ? -1 : H5Fget_file_image(hdf->file, NULL, 0);
-    if (size <= 0) {
+    if (n <= 0) {
         haft_hdf_fail(hdf, "its image");
         return;
     }
-    char *image = haft_memory_alloc((size_t)size, 1, hdf->error);
-    if (image == NULL) {
+    *bytes = haft_memory_alloc((size_t)n, 1, hdf->error);
+    if (*bytes == NULL) {
         hdf->status = HAFT_ERROR_MEMORY;
+    } else if (H5Fget_file_image(hdf->file, *bytes, (size_t)n) != n) {
+        haft_hdf_fail(hdf, "its image");
+        haft_memory_free(*bytes);
+        *bytes = NULL;
+    } else {
+        *size = (size_t)n;
+    }
+}
+
+static void store_image(haft_hdf *hdf, haft_store *store) {
+    void *image = NULL;
+    size_t size = 0;
+    haft_hdf_take_image(hdf, &image, &size);
+    if (image == NULL) {
         return;
     }
-    if (H5Fget_file_image(hdf->file, image, (size_t)size) != size) {
-        haft_hdf_fail(hdf, "its image");
-    } else {
-        char digest[HAFT_DIGEST_CAPACITY], header[HAFT_HDF_HEADER];
-        haft_digest_memory(image, (size_t)size, digest);
-        haft_hdf_make_header(header, (uint64_t)size, digest);
-        hdf->status = haft_store_write(store, header, sizeof header, hdf->error);
-        if (hdf->status == HAFT_OK) {
-            hdf->status = haft_store_write(store, image, (size_t)size, hdf->error);
-        }
+    char digest[HAFT_DIGEST_CAPACITY], header[HAFT_HDF_HEADER];
+    haft_digest_memory(image, size, digest);
+    haft_hdf_make_header(header, (uint64_t)size, digest);
+    hdf->status = haft_store_write(store, header, sizeof header, hdf->error);
+    if (hdf->status == HAFT_OK) {
+        hdf->status = haft_store_write(store, image, size, hdf->error);
     }
     haft_memory_free(image);
 }

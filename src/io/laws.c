@@ -230,8 +230,7 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     haft_hdf_read(hdf, "/laws/fault", HAFT_HDF_INT, 1, dims, laws->fault);
     haft_hdf_read_limit(hdf, "/laws", &laws->f_limit);
     haft_hdf_read_count(hdf, "/laws", "sites", &sites);
-    if (hdf->status == HAFT_OK &&
-        H5Aexists_by_name(hdf->file, "/laws", "first_site", H5P_DEFAULT) > 0) {
+    if (haft_hdf_has_attribute(hdf, "/laws", "first_site")) {
         haft_hdf_read_count(hdf, "/laws", "first_site", &first);
     }
     if (hdf->status != HAFT_OK) {
@@ -259,8 +258,7 @@ static void read_digest(haft_hdf *hdf, const char *object, const char *name, boo
                         char digest[HAFT_DIGEST_CAPACITY]) {
     char *found = NULL;
     digest[0] = '\0';
-    if (empty && hdf->status == HAFT_OK &&
-        H5Aexists_by_name(hdf->file, object, name, H5P_DEFAULT) == 0) {
+    if (empty && hdf->status == HAFT_OK && !haft_hdf_has_attribute(hdf, object, name)) {
         return;
     }
     haft_hdf_read_text(hdf, object, name, &found);
@@ -289,7 +287,7 @@ haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_D
                            const char *path, haft_error *error) {
     haft_hdf_voice voice = haft_hdf_hush();
     haft_hdf hdf;
-    if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, false, error) == HAFT_OK) {
+    if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, error) == HAFT_OK) {
         read_digest(&hdf, "/", "laws_digest", false, digest);
         read_digest(&hdf, "/laws", "fitted_to", true, origin);
         haft_hdf_close(&hdf);
@@ -304,7 +302,7 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
     haft_hdf_voice voice = haft_hdf_hush();
     haft_hdf hdf;
     char found[HAFT_DIGEST_CAPACITY];
-    if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, true, error) == HAFT_OK) {
+    if (haft_hdf_open(&hdf, path, HAFT_HDF_LAWS, error) == HAFT_OK) {
         read_laws(&hdf, out);
         read_digest(&hdf, "/", "laws_digest", false, found);
         if (hdf.status == HAFT_OK) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A height map as a two-dimensional HDF5 dataset, with the attributes `unit` (text) and `size`
- * (width and height, in metres). The library's own messages are turned off; what it cannot open is
- * refused.
- */
+ * (width and height, in metres). Such a file is from anywhere, and HDF5 crashes on some that are
+ * damaged: a child process reads it and hands the matrix back. */
+#include "child.h"
 #include "hdf.h"
 #include "map_file.h"
 
@@ -10,179 +10,255 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Objects that are looked at to find the map of a file. A file with more must be told which. */
+enum { LINKS_MOST = 10000, SIDE_MOST = 32768 };
+
+/* What the child hands back; rows x columns heights follow. */
+typedef struct found_map {
+    char name[256];
+    size_t rows, columns;
+    double unit, size[2]; /* 0: the file does not say */
+} found_map;
+
+/* ---- which dataset ---- */
+
 /* Names of the two-dimensional datasets that a file holds. */
 typedef struct finder {
+    size_t file_bytes;
     char names[512];
     char first[256];
+    haddr_t seen[LINKS_MOST];
     size_t found;
+    const char *incomplete; /* why not all were found */
 } finder;
 
-static herr_t visit(hid_t group, const char *name, const H5O_info_t *info, void *user) {
+static herr_t visit(void *user, const char *path, hid_t object, H5I_type_t kind, haddr_t address) {
     finder *f = user;
-    if (info->type != H5O_TYPE_DATASET) {
+    haft_hdf_set set;
+    if (kind != H5I_DATASET) {
         return 0;
     }
-    hid_t set = H5Dopen2(group, name, H5P_DEFAULT);
-    hid_t space = set >= 0 ? H5Dget_space(set) : -1;
-    if (space >= 0 && H5Sget_simple_extent_ndims(space) == 2) {
-        size_t used = strlen(f->names);
-        snprintf(f->names + used, sizeof f->names - used, "%s%.60s", used > 0 ? ", " : "", name);
-        if (f->found++ == 0) {
-            snprintf(f->first, sizeof f->first, "%.255s", name);
+    /* One that is refused is named all the same, and what is wrong with it told when it is read. */
+    bool refused = haft_hdf_inspect(&set, object, f->file_bytes) != NULL;
+    if (set.rank != 2 && !(refused && set.rank == 0)) {
+        return 0;
+    }
+    if (set.class == H5T_NO_CLASS && !refused) {
+        return 0;
+    }
+    for (size_t i = 0; i < f->found; i++) {
+        if (f->seen[i] == address) {
+            return 0;
         }
     }
-    if (space >= 0) {
-        H5Sclose(space);
+    char quoted[48];
+    size_t used = strlen(f->names);
+    snprintf(f->names + used, sizeof f->names - used, "%s%s", used > 0 ? ", " : "",
+             haft_map_quote(quoted, path + 1, strlen(path + 1)));
+    if (f->found == 0) {
+        snprintf(f->first, sizeof f->first, "%.255s", path + 1);
     }
-    if (set >= 0) {
-        H5Dclose(set);
-    }
+    f->seen[f->found++] = address;
     return 0;
 }
 
+static finder *find(const haft_map_file *file, hid_t hdf, haft_error *error) {
+    finder *f = haft_memory_alloc(1, sizeof *f, error);
+    if (f != NULL) {
+        f->file_bytes = file->size;
+        f->incomplete = haft_hdf_walk(hdf, HAFT_HDF_DEPTH_MOST, LINKS_MOST, visit, f);
+    }
+    return f;
+}
+
+/* The only one there is. */
+static haft_status choose(char name[256], const haft_map_file *file, hid_t hdf, haft_error *error) {
+    finder *f = find(file, hdf, error);
+    if (f == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    haft_status status = HAFT_OK;
+    if (f->incomplete != NULL) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s: holds %s to look for the map (at most %d links, %d deep); "
+                                "name its dataset as the channel, or copy it into a file of its "
+                                "own",
+                                file->path, f->incomplete, LINKS_MOST, HAFT_HDF_DEPTH_MOST);
+    } else if (f->found != 1) {
+        status =
+            haft_error_set(error, HAFT_ERROR_INPUT,
+                           f->found == 0 ? "%s: holds no two-dimensional dataset of numbers%s"
+                                         : "%s: holds several maps; name one as the channel: %s",
+                           file->path, f->names);
+    } else {
+        memcpy(name, f->first, sizeof f->first);
+    }
+    haft_memory_free(f);
+    return status;
+}
+
+/* The dataset of that name; if there is none, the message lists those there are. */
+static hid_t open_set(const haft_map_file *file, hid_t hdf, const char *name, haft_error *error) {
+    char quoted[48];
+    const char *reason = NULL;
+    hid_t set = haft_hdf_enter(hdf, name, &reason);
+    if (set >= 0 && H5Iget_type(set) == H5I_DATASET) {
+        return set;
+    }
+    if (set >= 0 || reason == haft_hdf_missing) {
+        finder *f = find(file, hdf, error);
+        if (f != NULL) {
+            haft_error_set(error, HAFT_ERROR_INPUT, "%s: has no dataset \"%s\"; it has: %s",
+                           file->path, haft_map_quote(quoted, name, strlen(name)), f->names);
+        }
+        haft_memory_free(f);
+    } else {
+        haft_error_set(error, HAFT_ERROR_INPUT, "%s: \"%s\" %s", file->path,
+                       haft_map_quote(quoted, name, strlen(name)), reason);
+    }
+    if (set >= 0) {
+        H5Oclose(set);
+    }
+    return -1;
+}
+
+/* ---- its contents ---- */
+
 /* Metres of the text attribute `unit`, 0 if there is none; false if it is no length. */
 static bool read_unit(hid_t set, double *unit) {
-    char text[64] = "", *variable = NULL;
+    char *text = NULL;
+    haft_hdf_found found = haft_hdf_get_attribute(set, "unit", HAFT_HDF_TEXT, 1, &text);
     *unit = 0;
-    if (H5Aexists(set, "unit") <= 0) {
-        return true;
-    }
-    hid_t attribute = H5Aopen(set, "unit", H5P_DEFAULT);
-    hid_t type = attribute >= 0 ? H5Aget_type(attribute) : -1;
-    bool good = type >= 0 && H5Tget_class(type) == H5T_STRING;
-    if (good && H5Tis_variable_str(type) > 0) {
-        hid_t memory = H5Tcopy(H5T_C_S1);
-        good = H5Tset_size(memory, H5T_VARIABLE) >= 0 &&
-               H5Tset_cset(memory, H5Tget_cset(type)) >= 0 &&
-               H5Aread(attribute, memory, &variable) >= 0 && variable != NULL;
-        if (good) {
-            snprintf(text, sizeof text, "%.63s", variable);
-        }
-        H5free_memory(variable);
-        H5Tclose(memory);
-    } else if (good) {
-        good = H5Tget_size(type) < sizeof text && H5Aread(attribute, type, text) >= 0;
-    }
-    if (type >= 0) {
-        H5Tclose(type);
-    }
-    if (attribute >= 0) {
-        H5Aclose(attribute);
-    }
-    return good && haft_map_length(1, text, unit) && *unit > 0;
+    bool good = found == HAFT_HDF_ABSENT ||
+                (found == HAFT_HDF_FOUND && haft_map_length(1, text, unit) && *unit > 0);
+    haft_memory_free(text);
+    return good;
 }
 
 /* The attribute `size`; zeros if there is none. */
 static bool read_size(hid_t set, double size[2]) {
     size[0] = size[1] = 0;
-    if (H5Aexists(set, "size") <= 0) {
-        return true;
-    }
-    hid_t attribute = H5Aopen(set, "size", H5P_DEFAULT);
-    hid_t space = attribute >= 0 ? H5Aget_space(attribute) : -1;
-    bool good = space >= 0 && H5Sget_simple_extent_npoints(space) == 2 &&
-                H5Aread(attribute, H5T_NATIVE_DOUBLE, size) >= 0 && size[0] > 0 && size[1] > 0 &&
-                isfinite(size[0] + size[1]);
-    if (space >= 0) {
-        H5Sclose(space);
-    }
-    if (attribute >= 0) {
-        H5Aclose(attribute);
-    }
-    return good;
+    haft_hdf_found found = haft_hdf_get_attribute(set, "size", HAFT_HDF_REALS, 2, size);
+    return found == HAFT_HDF_ABSENT ||
+           (found == HAFT_HDF_FOUND && size[0] > 0 && size[1] > 0 && isfinite(size[0] + size[1]));
 }
 
-/* The dataset's shape, if it is two-dimensional and no larger than the file allows. */
-static bool read_shape(const haft_map_file *file, hid_t set, hsize_t shape[2]) {
-    hid_t space = H5Dget_space(set), type = H5Dget_type(set);
-    H5T_class_t kind = type >= 0 ? H5Tget_class(type) : H5T_NO_CLASS;
-    bool good = space >= 0 && H5Sget_simple_extent_ndims(space) == 2 &&
-                H5Sget_simple_extent_dims(space, shape, NULL) == 2 &&
-                (kind == H5T_FLOAT || kind == H5T_INTEGER) && shape[0] >= 2 && shape[1] >= 2 &&
-                shape[0] <= 32768 && shape[1] <= 32768 &&
-                shape[0] * shape[1] / 1024 <= file->size; /* deflate packs no denser */
-    if (space >= 0) {
-        H5Sclose(space);
+static haft_status check_set(found_map *map, const haft_map_file *file, hid_t set,
+                             haft_error *error) {
+    char name[48];
+    haft_map_quote(name, map->name, strlen(map->name));
+    haft_hdf_set about;
+    const char *reason = haft_hdf_inspect(&about, set, file->size);
+    if (reason != NULL) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "%s: the dataset \"%s\" %s", file->path,
+                              name, reason);
     }
-    if (type >= 0) {
-        H5Tclose(type);
-    }
-    return good;
-}
-
-static haft_status read_set(haft_map **out, const haft_map_file *file, hid_t set, const char *name,
-                            haft_error *error) {
-    hsize_t shape[2] = {0, 0};
-    double unit = 0, size[2];
-    if (!read_shape(file, set, shape)) {
+    const hsize_t *side = about.dims;
+    if (about.class == H5T_NO_CLASS || about.rank != 2 || side[0] < 2 || side[1] < 2 ||
+        side[0] > SIDE_MOST || side[1] > SIDE_MOST) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "%s: %s is no matrix of numbers, 2 to 32768 a side", file->path,
-                              name);
+                              "%s: \"%s\" is no matrix of numbers, 2 to %d a side", file->path,
+                              name, SIDE_MOST);
     }
-    if (!read_unit(set, &unit) || !read_size(set, size)) {
-        return haft_error_set(
-            error, HAFT_ERROR_INPUT,
-            "%s: %s has an attribute `unit` that is no length, or a `size` that is "
-            "not two of them in metres",
-            file->path, name);
+    map->rows = (size_t)side[0];
+    map->columns = (size_t)side[1];
+    if (!read_unit(set, &map->unit)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s: \"%s\" has an attribute `unit` that is not one text naming a "
+                              "length, as nm",
+                              file->path, name);
     }
-    double *z = haft_memory_alloc(shape[0] * shape[1], sizeof *z, error);
-    if (z == NULL) {
+    if (!read_size(set, map->size)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s: \"%s\" has an attribute `size` that is not two lengths in "
+                              "metres, width and height",
+                              file->path, name);
+    }
+    return HAFT_OK;
+}
+
+static haft_status read_set(const haft_map_file *file, hid_t set, const found_map *map,
+                            void **bytes, size_t *size, haft_error *error) {
+    size_t pixels = map->rows * map->columns;
+    char name[48];
+    haft_child_allow(4 * pixels * sizeof(double));
+    *size = sizeof *map + pixels * sizeof(double);
+    *bytes = haft_memory_alloc(*size, 1, error);
+    if (*bytes == NULL) {
         return HAFT_ERROR_MEMORY;
     }
+    memcpy(*bytes, map, sizeof *map);
+    if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                (char *)*bytes + sizeof *map) < 0) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s: the pixels of \"%s\" cannot be read; the file is damaged",
+                              file->path, haft_map_quote(name, map->name, strlen(map->name)));
+    }
+    return HAFT_OK;
+}
+
+/* In the child. */
+static haft_status read_file(const void *context, void **bytes, size_t *size, haft_error *error) {
+    const haft_map_file *file = context;
+    found_map map = {.rows = 0};
     haft_status status = HAFT_OK;
-    if (H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, z) < 0) {
-        status = haft_error_set(error, HAFT_ERROR_INPUT,
-                                "%s: the pixels of %s cannot be read; the file is damaged",
-                                file->path, name);
+    hid_t hdf = haft_hdf_open_image(file->bytes, file->size);
+    if (hdf < 0) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s: is an HDF5 file that cannot be opened; it is cut short or "
+                              "damaged",
+                              file->path);
     }
-    if (status == HAFT_OK) {
-        status =
-            haft_map_from_matrix(out, file, shape[0], shape[1], size[0], size[1], unit, z, error);
+    if (file->options.channel[0] == '\0') {
+        status = choose(map.name, file, hdf, error);
+    } else {
+        snprintf(map.name, sizeof map.name, "%.255s", file->options.channel);
     }
-    haft_memory_free(z);
+    hid_t set = status == HAFT_OK ? open_set(file, hdf, map.name, error) : -1;
+    if (set >= 0) {
+        status = check_set(&map, file, set, error);
+        if (status == HAFT_OK) {
+            status = read_set(file, set, &map, bytes, size, error);
+        }
+        H5Oclose(set);
+    } else if (status == HAFT_OK) {
+        status = HAFT_ERROR_INPUT;
+    }
+    H5Fclose(hdf);
     return status;
 }
 
-static haft_status read_file(haft_map **out, const haft_map_file *file, hid_t hdf,
-                             haft_error *error) {
-    finder f = {.found = 0};
-    H5Ovisit(hdf, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &f);
-    const char *name = file->options.channel[0] != '\0' ? file->options.channel : f.first;
-    if (file->options.channel[0] == '\0' && f.found != 1) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              f.found == 0 ? "%s: holds no two-dimensional dataset%s"
-                                           : "%s: holds several maps; name one as the channel: %s",
-                              file->path, f.names);
+/* ---- in the parent ---- */
+
+static haft_status take_map(haft_map **out, const haft_map_file *file, const void *bytes,
+                            size_t size, haft_error *error) {
+    const found_map *map = bytes;
+    size_t pixels = (size - sizeof *map) / sizeof(double);
+    if (size < sizeof *map || map->columns == 0 || map->rows != pixels / map->columns) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "%s: is damaged: its size does not add up",
+                              file->path);
     }
-    hid_t set = H5Dopen2(hdf, name, H5P_DEFAULT);
-    if (set < 0) {
-        char quoted[48];
-        return haft_error_set(error, HAFT_ERROR_INPUT, "%s: has no dataset \"%s\"; it has: %s",
-                              file->path, haft_map_quote(quoted, name, 40), f.names);
-    }
-    haft_status status = read_set(out, file, set, name, error);
-    H5Dclose(set);
+    haft_status status = haft_map_from_matrix(
+        out, file, map->rows, map->columns, map->size[0], map->size[1], map->unit,
+        (const double *)(const void *)((const char *)bytes + sizeof *map), error);
     if (status == HAFT_OK) {
-        haft_map_name((*out)->channel, name, strlen(name));
+        haft_map_name((*out)->channel, map->name, strlen(map->name));
         snprintf((*out)->format, sizeof(*out)->format, "HDF5");
     }
     return status;
 }
 
 haft_status haft_map_read_hdf(haft_map **out, const haft_map_file *file, haft_error *error) {
+    void *bytes = NULL;
+    size_t size = 0;
+    haft_child_input input = {
+        .path = file->path, .remedy = "export the map anew", .bytes = file->size, .context = file};
     haft_hdf_voice voice = haft_hdf_hush();
-    hid_t hdf = H5Fopen(file->path, H5F_ACC_RDONLY, H5P_DEFAULT);
-    haft_status status;
-    if (hdf < 0) {
-        status = haft_error_set(error, HAFT_ERROR_INPUT,
-                                "%s: is an HDF5 file that cannot be opened; it is cut short or "
-                                "damaged",
-                                file->path);
-    } else {
-        status = read_file(out, file, hdf, error);
-        H5Fclose(hdf);
-    }
+    haft_status status = haft_child_run(&bytes, &size, read_file, &input, error);
     haft_hdf_unhush(voice);
+    if (status == HAFT_OK) {
+        status = take_map(out, file, bytes, size, error);
+    }
+    haft_memory_free(bytes);
     return status;
 }

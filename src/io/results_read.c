@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads results.h5 back. haft_results_read() checks the whole file against its checksum; the
- * readers of one realization check its length alone, since they are called many times over. */
+/* Reads results.h5 back. Opening it checks the whole file against its checksum, so whoever reads
+ * many realizations opens it once. */
 #include "hdf.h"
 
 #include <math.h>
@@ -40,7 +40,7 @@ haft_status haft_results_read(haft_results_view **out, const char *path, haft_er
     }
     haft_hdf_voice voice = haft_hdf_hush();
     haft_hdf hdf;
-    if (haft_hdf_open(&hdf, path, HAFT_HDF_RESULTS, true, error) == HAFT_OK) {
+    if (haft_hdf_open(&hdf, path, HAFT_HDF_RESULTS, error) == HAFT_OK) {
         read_view(&hdf, *out);
         haft_hdf_close(&hdf);
     }
@@ -145,23 +145,70 @@ static void read_path(haft_hdf *hdf, size_t realization, haft_path *path) {
     }
 }
 
-haft_status haft_results_read_path(haft_path **out, const char *path, size_t realization,
+struct haft_results_file {
+    haft_hdf hdf;
+    char *path;
+};
+
+haft_status haft_results_open(haft_results_file **out, const char *path, haft_error *error) {
+    size_t length = strlen(path);
+    haft_results_file *file = *out = haft_memory_alloc(1, sizeof **out, error);
+    if (file != NULL) {
+        file->hdf.file = -1;
+        file->path = haft_memory_alloc(length + 1, 1, error);
+    }
+    if (file == NULL || file->path == NULL) {
+        haft_results_close(out);
+        return HAFT_ERROR_MEMORY;
+    }
+    memcpy(file->path, path, length + 1);
+    haft_hdf_voice voice = haft_hdf_hush();
+    haft_status status = haft_hdf_open(&file->hdf, file->path, HAFT_HDF_RESULTS, error);
+    haft_hdf_unhush(voice);
+    if (status != HAFT_OK) {
+        haft_results_close(out);
+    }
+    return status;
+}
+
+void haft_results_close(haft_results_file **file) {
+    if (file != NULL && *file != NULL) {
+        haft_hdf_voice voice = haft_hdf_hush();
+        haft_hdf_close(&(*file)->hdf);
+        haft_hdf_unhush(voice);
+        haft_memory_free((*file)->path);
+        haft_memory_free(*file);
+        *file = NULL;
+    }
+}
+
+haft_status haft_results_take_path(haft_path **out, haft_results_file *file, size_t realization,
                                    haft_error *error) {
     *out = haft_memory_alloc(1, sizeof **out, error);
     if (*out == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     haft_hdf_voice voice = haft_hdf_hush();
-    haft_hdf hdf;
-    if (haft_hdf_open(&hdf, path, HAFT_HDF_RESULTS, false, error) == HAFT_OK) {
-        read_path(&hdf, realization, *out);
-        haft_hdf_close(&hdf);
-    }
+    file->hdf.status = HAFT_OK;
+    file->hdf.error = error;
+    read_path(&file->hdf, realization, *out);
     haft_hdf_unhush(voice);
-    if (hdf.status != HAFT_OK) {
+    if (file->hdf.status != HAFT_OK) {
         haft_path_destroy(out);
     }
-    return hdf.status;
+    return file->hdf.status;
+}
+
+haft_status haft_results_read_path(haft_path **out, const char *path, size_t realization,
+                                   haft_error *error) {
+    haft_results_file *file = NULL;
+    *out = NULL;
+    haft_status status = haft_results_open(&file, path, error);
+    if (status == HAFT_OK) {
+        status = haft_results_take_path(out, file, realization, error);
+    }
+    haft_results_close(&file);
+    return status;
 }
 
 /* ---- shapes ---- */
@@ -214,7 +261,7 @@ haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path
     }
     haft_hdf_voice voice = haft_hdf_hush();
     haft_hdf hdf;
-    if (haft_hdf_open(&hdf, path, HAFT_HDF_RESULTS, false, error) == HAFT_OK) {
+    if (haft_hdf_open(&hdf, path, HAFT_HDF_RESULTS, error) == HAFT_OK) {
         read_shapes(&hdf, realization, *out);
         haft_hdf_close(&hdf);
     }

@@ -55,14 +55,16 @@ static haft_status find_certificates(haft_findings *out, const haft_evidence *e,
                                      haft_error *error) {
     double least_pivot = INFINITY, least_eigenvalue = INFINITY;
     size_t states = 0, beams = 0;
-    for (size_t k = 0; k < e->c->realizations; k++) {
+    haft_results_file *results = NULL;
+    haft_status status = haft_results_open(&results, e->results_path, error);
+    for (size_t k = 0; status == HAFT_OK && k < e->c->realizations; k++) {
         haft_path *path = NULL;
         if (e->summary[k].outcome < 0) {
             continue;
         }
-        haft_status status = haft_results_read_path(&path, e->results_path, k, error);
+        status = haft_results_take_path(&path, results, k, error);
         if (status != HAFT_OK) {
-            return status;
+            break;
         }
         for (size_t i = 0; i < path->points; i++) {
             least_pivot = fmin(least_pivot, path->point[i].least_pivot);
@@ -71,6 +73,10 @@ static haft_status find_certificates(haft_findings *out, const haft_evidence *e,
         states += path->points;
         beams++;
         haft_path_destroy(&path);
+    }
+    haft_results_close(&results);
+    if (status != HAFT_OK) {
+        return status;
     }
     bool stable = least_pivot > 0 && least_eigenvalue > 0;
     haft_findings_add(

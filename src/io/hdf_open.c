@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Opening a data file: it is read whole, and the header's checksum is verified before HDF5 sees a
+ * byte. Of a file without the header (rewritten by another tool) HDF5 sees nothing here either: a
+ * child process copies what it holds. */
+#include "hdf.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- the bytes ---- */
+
+static void fail_to_read(haft_hdf *hdf, const char *why) {
+    hdf->status =
+        haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be read: %s", hdf->path, why);
+}
+
+static void read_bytes(haft_hdf *hdf, int descriptor) {
+    hdf->bytes = haft_memory_alloc(hdf->file_bytes, 1, hdf->error);
+    if (hdf->bytes == NULL) {
+        hdf->status = HAFT_ERROR_MEMORY;
+        haft_error_prefix(hdf->error, "%s: ", hdf->path);
+        return;
+    }
+    for (size_t done = 0; done < hdf->file_bytes;) {
+        ssize_t n = read(descriptor, (char *)hdf->bytes + done, hdf->file_bytes - done);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n <= 0) {
+            fail_to_read(hdf, n < 0 ? strerror(errno) : "it was cut short meanwhile");
+            return;
+        }
+        done += (size_t)n;
+    }
+}
+
+static void load(haft_hdf *hdf) {
+    struct stat facts;
+    int descriptor = open(hdf->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0 || fstat(descriptor, &facts) != 0) {
+        bool missing = errno == ENOENT;
+        hdf->status =
+            haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be opened: %s%s%s", hdf->path,
+                           strerror(errno), missing ? "; " : "", missing ? hdf->remedy : "");
+    } else if (!S_ISREG(facts.st_mode)) {
+        hdf->status = haft_error_set(hdf->error, HAFT_ERROR_IO,
+                                     "%s: is a directory or a device; give a file", hdf->path);
+    } else {
+        hdf->file_bytes = (size_t)facts.st_size;
+        read_bytes(hdf, descriptor);
+    }
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
+}
+
+/* ---- the header ---- */
+
+static void check_header(haft_hdf *hdf) {
+    char header[HAFT_HDF_HEADER + 1] = {0};
+    char digest[HAFT_DIGEST_CAPACITY] = "", actual[HAFT_DIGEST_CAPACITY];
+    unsigned long long size = 0;
+    size_t n = hdf->file_bytes < HAFT_HDF_HEADER ? hdf->file_bytes : HAFT_HDF_HEADER;
+    memcpy(header, hdf->bytes, n);
+    const char *line = strchr(header, '\n');
+    if (strncmp(header, "haft data:", 10) != 0) {
+        haft_hdf_refuse(hdf, n == 0 ? "is empty" : "is no HDF5 file");
+    } else if (n < HAFT_HDF_HEADER || line == NULL ||
+               sscanf(line, " size %20llu xxh3-128 %32[0-9a-f]", &size, digest) != 2) {
+        haft_hdf_refuse(hdf, "is damaged: its header is incomplete");
+    } else if (hdf->file_bytes - HAFT_HDF_HEADER != size) {
+        haft_hdf_refuse(hdf, "is damaged: it should be %llu bytes long and is %zu",
+                        size + HAFT_HDF_HEADER, hdf->file_bytes);
+    } else {
+        haft_digest_memory((const char *)hdf->bytes + HAFT_HDF_HEADER,
+                           hdf->file_bytes - HAFT_HDF_HEADER, actual);
+        if (strcmp(actual, digest) != 0) {
+            haft_hdf_refuse(hdf, "is damaged: its contents do not match their checksum");
+        }
+    }
+}
+
+/* HDF5 opens what the checksum vouches for, or what a child process copied. */
+static void open_bytes(haft_hdf *hdf) {
+    bool bare = hdf->file_bytes >= 8 && memcmp(hdf->bytes, "\211HDF\r\n\032\n", 8) == 0;
+    size_t skipped = bare ? 0 : HAFT_HDF_HEADER;
+    if (bare) {
+        haft_hdf_copy_apart(hdf);
+    } else {
+        check_header(hdf);
+    }
+    if (hdf->status == HAFT_OK) {
+        hdf->file =
+            haft_hdf_open_image((const char *)hdf->bytes + skipped, hdf->file_bytes - skipped);
+        if (hdf->file < 0) {
+            haft_hdf_refuse(hdf, "cannot be read as HDF5");
+        }
+    }
+}
+
+static void check_format(haft_hdf *hdf, const char *format) {
+    char *found = NULL;
+    uint64_t layout = 0;
+    if (!haft_hdf_has_attribute(hdf, "/", "format")) {
+        haft_hdf_refuse(hdf, "is HDF5 but not of Haft: it has no attribute `format`");
+    }
+    haft_hdf_read_text(hdf, "/", "format", &found);
+    if (hdf->status == HAFT_OK && strcmp(found, format) != 0) {
+        haft_hdf_refuse(hdf, "holds \"%.40s\" where \"%s\" is wanted", found, format);
+    }
+    haft_memory_free(found);
+    haft_hdf_read_count(hdf, "/", "layout_version", &layout);
+    if (hdf->status == HAFT_OK && layout != HAFT_HDF_LAYOUT) {
+        haft_hdf_refuse(hdf,
+                        "has layout version %llu, and this program (Haft %s) reads %d; take "
+                        "a newer Haft",
+                        (unsigned long long)layout, haft_version(), HAFT_HDF_LAYOUT);
+    }
+}
+
+haft_status haft_hdf_open(haft_hdf *hdf, const char *path, const char *format, haft_error *error) {
+    *hdf = (haft_hdf){.file = -1, .path = path, .error = error};
+    hdf->remedy = strcmp(format, HAFT_HDF_LAWS) == 0
+                      ? "build it anew with haft-laws build --force CASE"
+                      : "make it anew with haft run --force CASE";
+    load(hdf);
+    if (hdf->status == HAFT_OK) {
+        open_bytes(hdf);
+    }
+    check_format(hdf, format);
+    if (hdf->status != HAFT_OK) {
+        haft_hdf_close(hdf);
+    }
+    return hdf->status;
+}
+
+void haft_hdf_close(haft_hdf *hdf) {
+    if (hdf->file >= 0) {
+        H5Fclose(hdf->file);
+        hdf->file = -1;
+    }
+    haft_memory_free(hdf->bytes);
+    hdf->bytes = NULL;
+}
