@@ -59,9 +59,9 @@ static haft_status tell_failures(const haft_case *c, const haft_summary *summary
         if (outcome >= 0 && outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE) {
             return haft_error_set(error, HAFT_ERROR_NUMERIC,
                                   "%zu of %zu beams could not be followed to the end, the first of "
-                                  "them realization %zu (%s); all are kept in %s",
+                                  "them realization %zu (%s: %s); all are kept in %s",
                                   s.failed, s.run, k, haft_outcome_name((haft_outcome)outcome),
-                                  results);
+                                  haft_outcome_advice((haft_outcome)outcome), results);
         }
     }
     return HAFT_OK;

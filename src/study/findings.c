@@ -106,8 +106,24 @@ static void find_ledger(haft_findings *out, const haft_statistics *s) {
         s->ledger_error, LEDGER_BOUND);
 }
 
+/* The first beam without an answer, its outcome and what to do; nothing if all have one. */
+static void describe_failure(const haft_evidence *e, size_t capacity, char *text) {
+    text[0] = '\0';
+    for (size_t k = 0; k < e->c->realizations; k++) {
+        haft_outcome outcome = (haft_outcome)e->summary[k].outcome;
+        if ((int)outcome >= 0 && outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE) {
+            snprintf(text, capacity,
+                     ", and count in no statistics. The first is realization %zu: %s; %s", k,
+                     haft_outcome_name(outcome), haft_outcome_advice(outcome));
+            return;
+        }
+    }
+}
+
 static void find_outcomes(haft_findings *out, const haft_evidence *e) {
     const haft_statistics *s = &e->statistics;
+    char failure[400];
+    describe_failure(e, sizeof failure, failure);
     haft_findings_add(
         out,
         &(haft_finding){.subject = "every beam was followed to its end",
@@ -117,7 +133,7 @@ static void find_outcomes(haft_findings *out, const haft_evidence *e) {
                         .value = (double)s->failed,
                         .limit = 0},
         "%zu of %zu beams were run; %zu of them could not be followed until the load was gone%s.",
-        s->run, e->c->realizations, s->failed, s->failed > 0 ? ", and count in no statistics" : "");
+        s->run, e->c->realizations, s->failed, failure);
 }
 
 /* ---- the scales ---- */
