@@ -113,16 +113,12 @@ static void take_over_laws(const sweep *s, size_t i, const char *folder) {
 
 /* Whether the file holds just this text. */
 static bool holds(const char *path, const char *text) {
-    FILE *stream = fopen(path, "r");
-    size_t at = 0;
-    bool same = stream != NULL;
-    for (int c; same && (c = getc(stream)) != EOF; at++) {
-        same = text[at] != '\0' && text[at] == (char)c;
-    }
-    if (stream != NULL) {
-        fclose(stream);
-    }
-    return same && text[at] == '\0';
+    char *bytes = NULL;
+    size_t size = 0, length = strlen(text);
+    bool same = haft_file_read(&bytes, &size, path, length, NULL) == HAFT_OK && size == length &&
+                memcmp(bytes, text, length) == 0;
+    haft_memory_free(bytes);
+    return same;
 }
 
 /* Writes a variant's case.yaml. One of another sweep is not replaced under results that may be its
