@@ -273,7 +273,7 @@ static haft_run_mode mode_of(haft_run_mode mode, const char *variant) {
     char results[PATH_CAPACITY], parts[PATH_CAPACITY];
     bool begun = case_out_path(results, variant, "results.h5", NULL) == HAFT_OK &&
                  case_out_path(parts, variant, "parts", NULL) == HAFT_OK &&
-                 (access(results, F_OK) == 0 || access(parts, F_OK) == 0);
+                 (access(results, F_OK) == 0 || haft_parts_are_in(parts));
     return mode == HAFT_RUN_RESUME && !begun ? HAFT_RUN_NEW : mode;
 }
 
@@ -317,7 +317,15 @@ static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_ru
     haft_status worst = HAFT_OK;
     haft_error said = {0};
     *complete = true;
+    haft_progress progress = terminal_progress(t);
     for (size_t i = 0; i < s->variants; i++) {
+        if (haft_study_rank() == 0 && progress.stop(progress.user)) { /* a variant that is complete asks for no stop */
+            *complete = false;
+            (void)haft_study_ranks_agree(false);
+            return haft_error_set(error, HAFT_ERROR_INTERRUPTED,
+                                  "interrupted before variant %s; `haft resume` goes on from there",
+                                  s->c[i]->sweep.label);
+        }
         haft_status status = run_variant(s, i, complete, folder, mode, t, error);
         if (status != HAFT_OK) {
             haft_error_prefix(error, "variant %s: ", s->c[i]->sweep.label);

@@ -5,6 +5,7 @@
 #include <argp.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -103,8 +104,8 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
         t->tenth = 0;
     }
     char left[32], say[40] = ""; /* nothing is known of the time left before one more is done */
-    double spent = time - t->started;
-    size_t own = done - t->before;
+    double spent = fmax(0, time - t->started);
+    size_t own = done > t->before ? done - t->before : 0;
     if (own > 0) {
         format_time(left, spent / (double)own * (double)(total - done));
         snprintf(say, sizeof say, ", %s left", left);

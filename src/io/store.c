@@ -4,6 +4,7 @@
  * its temporary file, named PATH.tmp.PID. */
 #include "store.h"
 #include "haft/io.h"
+#include "parts_folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -46,6 +47,11 @@ static haft_status check_goal(const haft_store *store, haft_error *error) {
     }
     if (S_ISDIR(facts.st_mode)) {
         return haft_error_set(error, HAFT_ERROR_IO, "%s: is a directory; give a file's name",
+                              store->path);
+    }
+    if (stat(store->path, &facts) == 0 && !S_ISREG(facts.st_mode)) { /* /dev/null, say */
+        return haft_error_set(error, HAFT_ERROR_IO,
+                              "%s: is no regular file and is not replaced; give another name",
                               store->path);
     }
     return store->overwrite ? HAFT_OK : already_there(store->path, error);
@@ -164,26 +170,21 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     return HAFT_OK;
 }
 
-/* Is this what a process that is no more left of `prefix`? */
+/* Is this what a process that is no more left of `prefix`? Its number follows, and perhaps another
+ * (haft_store_name); files of any other name are not Haft's. */
 static bool is_stale(const char *name, const char *prefix) {
-    size_t n = strlen(prefix);
-    if (strncmp(name, prefix, n) != 0 || strspn(name + n, "0123456789.") != strlen(name + n)) {
+    static const char digits[] = "0123456789";
+    size_t n = strlen(prefix), maker = strncmp(name, prefix, n) == 0 ? strspn(name + n, digits) : 0;
+    if (maker == 0 || maker > 9 || name[n] == '0') {
         return false;
     }
-    long maker = strtol(name + n, NULL, 10);
-    return maker > 0 && maker != getpid() && kill((pid_t)maker, 0) != 0 && errno == ESRCH;
-}
-
-static void remove_folder(const char *path) {
-    DIR *entries = opendir(path);
-    if (entries == NULL) {
-        return;
+    const char *rest = name + n + maker;
+    size_t second = *rest == '.' ? strspn(rest + 1, digits) : 0;
+    if (*rest != '\0' && (second == 0 || rest[1 + second] != '\0')) {
+        return false;
     }
-    for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
-        (void)unlinkat(dirfd(entries), e->d_name, 0); /* fails for . and .., as it should */
-    }
-    closedir(entries);
-    rmdir(path);
+    pid_t process = (pid_t)strtol(name + n, NULL, 10);
+    return process != getpid() && kill(process, 0) != 0 && errno == ESRCH;
 }
 
 void haft_io_drop_stale(const char *path) {
@@ -200,7 +201,7 @@ void haft_io_drop_stale(const char *path) {
         if (is_stale(e->d_name, prefix)) {
             snprintf(stale, sizeof stale, "%s/%s", folder, e->d_name);
             if (unlink(stale) != 0) {
-                remove_folder(stale);
+                haft_parts_discard(stale);
             }
         }
     }
