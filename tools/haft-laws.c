@@ -102,7 +102,8 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     case KEY_THREADS:
         count = strtol(value, &end, 10);
         if (end == value || *end != '\0' || count < 1 || count > 4096) {
-            terminal_misuse(state, "--threads must be a whole number from 1 to 4096, not \"%s\"", value);
+            terminal_misuse(state, "--threads must be a whole number from 1 to 4096, not \"%s\"",
+                            value);
         }
         a->threads = (int)count;
         return 0;
@@ -110,7 +111,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         count = strtol(value, &end, 10);
         if (end == value || *end != '\0' || count < 1 || count > SAMPLE_LIMIT) {
             terminal_misuse(state, "--count must be a whole number from 1 to %d, not \"%s\"",
-                       SAMPLE_LIMIT, value);
+                            SAMPLE_LIMIT, value);
         }
         a->count = (size_t)count;
         return 0;
@@ -125,8 +126,8 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num < 2) {
-            terminal_misuse(state,
-                       "a command and a case are needed, as in: haft-laws build cases/delrio-rh85");
+            terminal_misuse(
+                state, "a command and a case are needed, as in: haft-laws build cases/delrio-rh85");
         }
         return 0;
     default:
@@ -241,11 +242,11 @@ static bool can_be_meant(const arguments *a, command what) {
                        "or inspect",
                        a->command);
     } else if ((what == FIT) != (a->table != NULL)) {
-        terminal_print(
-            stderr,
-            what == FIT ? "haft-laws: fit needs a table, as in: haft-laws fit CASE TABLE.csv"
-                        : "haft-laws: one command and one case, please; \"%s\" is too much",
-            a->table);
+        terminal_print(stderr,
+                       what == FIT
+                           ? "haft-laws: fit needs a table, as in: haft-laws fit CASE TABLE.csv"
+                           : "haft-laws: one command and one case, please; \"%s\" is too much",
+                       a->table);
     } else {
         return true;
     }

@@ -86,7 +86,7 @@ static long parse_count(struct argp_state *state, const char *text, long least, 
     long value = strtol(text, &end, 10);
     if (errno != 0 || end == text || *end != '\0' || value < least || value > most) {
         terminal_misuse(state, "%s must be a whole number from %ld to %ld, not \"%s\"", what, least,
-                   most, text);
+                        most, text);
     }
     return value;
 }
@@ -98,7 +98,8 @@ static haft_shard parse_shard(struct argp_state *state, const char *text) {
                    ? sscanf(text, "%7lu/%7lu%c", &index, &count, &end)
                    : 0;
     if (read != 2 || index < 1 || index > count) {
-        terminal_misuse(state, "--shard must be I/N, as in 2/8, with I from 1 to N, not \"%s\"", text);
+        terminal_misuse(state, "--shard must be I/N, as in 2/8, with I from 1 to N, not \"%s\"",
+                        text);
     }
     return (haft_shard){index, count};
 }
@@ -146,7 +147,8 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num < 2) {
-            terminal_misuse(state, "a command and a case are needed, as in: haft run cases/delrio-rh85");
+            terminal_misuse(state,
+                            "a command and a case are needed, as in: haft run cases/delrio-rh85");
         }
         return 0;
     default:

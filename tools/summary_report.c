@@ -77,7 +77,7 @@ static void print_summary(const haft_case *c, const haft_statistics *s) {
            s->ledger_error, s->unfit);
 }
 
-static void print_json_number(const char *key, double value, const char *end) {
+void print_json_number(const char *key, double value, const char *end) {
     if (isfinite(value)) {
         printf("  \"%s\": %.12g%s\n", key, value, end);
     } else {

@@ -319,7 +319,8 @@ static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_ru
     *complete = true;
     haft_progress progress = terminal_progress(t);
     for (size_t i = 0; i < s->variants; i++) {
-        if (haft_study_rank() == 0 && progress.stop(progress.user)) { /* a variant that is complete asks for no stop */
+        if (haft_study_rank() == 0 &&
+            progress.stop(progress.user)) { /* a variant that is complete asks for no stop */
             *complete = false;
             (void)haft_study_ranks_agree(false);
             return haft_error_set(error, HAFT_ERROR_INTERRUPTED,

@@ -103,7 +103,8 @@ void *haft_memory_alloc(size_t count, size_t size, haft_error *error) HAFT_MUST_
 void haft_memory_free(void *memory);
 
 /** Reads one UTF-8 character.
- *  @param[in] text its first byte, of `size` bytes
+ *  @param[in] text its first byte
+ *  @param[in] size bytes of the text
  *  @param[out] code its code point, where there is one
  *  @return its bytes, 0 if there is no valid character. Thread-safe. */
 size_t haft_text_character(const char *text, size_t size, uint32_t *code);
@@ -119,7 +120,8 @@ bool haft_text_is_printable(uint32_t code);
  *  "\\n", "\\x1b" or "\\u202e", if it is a control character, a line break, a mark that turns the
  *  direction of text, or no valid UTF-8.
  *  @param[out] spelled the character and a 0
- *  @param[in] text at least one byte, of `size` bytes
+ *  @param[in] text its next byte
+ *  @param[in] size bytes of the text, at least 1
  *  @return the bytes of the text that it stands for. Thread-safe. */
 size_t haft_text_spell(char spelled[HAFT_SPELLED_CAPACITY], const char *text, size_t size);
 
@@ -127,13 +129,16 @@ size_t haft_text_spell(char spelled[HAFT_SPELLED_CAPACITY], const char *text, si
  *  that steers no terminal. Text that is safe already stays as it is.
  *  @param[out] out the text and a 0
  *  @param[in] capacity of `out`, at least 1
- *  @param[in] text of `size` bytes
+ *  @param[in] text any bytes
+ *  @param[in] size how many
  *  @return false if it was cut, between two characters. Thread-safe. */
 bool haft_text_quote(char *out, size_t capacity, const char *text, size_t size);
 
 /** Opens a regular file for reading, without waiting: not a directory, pipe, device or socket.
  *  @param[out] descriptor to be closed with close(); -1 where it fails
  *  @param[out] size bytes of the file; may be NULL
+ *  @param[in] path of the file
+ *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO, with the file and the reason. Thread-safe. */
 haft_status haft_file_open(int *descriptor, size_t *size, const char *path,
                            haft_error *error) HAFT_MUST_CHECK;

@@ -29,8 +29,8 @@ typedef struct haft_map {
 /** Most pixels of a map along one side. */
 #define HAFT_MAP_SIDE_MOST 32768
 
-/** Heights zero. @return HAFT_ERROR_INPUT for fewer than 2 or more than HAFT_MAP_SIDE_MOST pixels a side, or a
- *  pixel that is not positive. */
+/** Heights zero. @return HAFT_ERROR_INPUT for fewer than 2 or more than HAFT_MAP_SIDE_MOST pixels a
+ * side, or a pixel that is not positive. */
 haft_status haft_map_create(haft_map **out, size_t rows, size_t columns, double step_row,
                             double step_column, haft_error *error) HAFT_MUST_CHECK;
 

@@ -84,8 +84,7 @@ haft_status haft_file_read(char **out, size_t *size, const char *path, size_t mo
                                 path, most >> (mega ? 20 : 10), mega ? "MiB" : "KiB");
     } else {
         *out = haft_memory_alloc(*size + 1, 1, error);
-        status = *out == NULL ? HAFT_ERROR_MEMORY
-                              : read_all(*out, *size, descriptor, path, error);
+        status = *out == NULL ? HAFT_ERROR_MEMORY : read_all(*out, *size, descriptor, path, error);
     }
     close(descriptor);
     if (status != HAFT_OK) {

@@ -119,8 +119,7 @@ static void check_surface(haft_case_reader *reader, double *lattice) {
         WRONG(reader, "surface.grid_step",
               "%s is too coarse for the shortest wave of the PSD; give "
               "%s (pi/zeta_max) at most",
-              length_text(c->surface.grid_step, a),
-              length_text(floor(largest * 1e13) * 1e-13, b));
+              length_text(c->surface.grid_step, a), length_text(floor(largest * 1e13) * 1e-13, b));
         return;
     }
     *lattice = (double)ratio * c->surface.grid_step;

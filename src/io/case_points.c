@@ -83,9 +83,8 @@ haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *f
     *points = haft_memory_alloc(POINTS_MOST, 2 * sizeof **points, error);
     char *bytes = NULL;
     size_t size = 0;
-    haft_status status = *points == NULL
-                             ? HAFT_ERROR_MEMORY
-                             : haft_file_read(&bytes, &size, path, BYTES_MOST, error);
+    haft_status status = *points == NULL ? HAFT_ERROR_MEMORY
+                                         : haft_file_read(&bytes, &size, path, BYTES_MOST, error);
     if (status == HAFT_OK && size == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: is empty", path);
     }

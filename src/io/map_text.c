@@ -138,7 +138,8 @@ static bool holds_points(const table *t, const haft_map_file *file) {
 static haft_status make_room_for_rest(table *t, const haft_map_file *file, const char *rest,
                                       size_t bytes, haft_error *error) {
     size_t lines = 2, most = t->columns + bytes / 2 + 1;
-    for (const char *at = rest; (at = memchr(at, '\n', (size_t)(rest + bytes - at))) != NULL; at++) {
+    for (const char *at = rest; (at = memchr(at, '\n', (size_t)(rest + bytes - at))) != NULL;
+         at++) {
         lines++;
     }
     if (lines > HAFT_MAP_SIDE_MOST && !holds_points(t, file)) {
@@ -155,10 +156,9 @@ static haft_status check_sides(const table *t, const haft_map_file *file, size_t
     if (!wide && (t->rows < HAFT_MAP_SIDE_MOST || holds_points(t, file))) {
         return HAFT_OK;
     }
-    return haft_error_set(error, HAFT_ERROR_INPUT,
-                          "%s:%zu: a map of more than %d %s; it needs 2 to %d pixels a side",
-                          file->path, number, HAFT_MAP_SIDE_MOST, wide ? "columns" : "rows",
-                          HAFT_MAP_SIDE_MOST);
+    return haft_error_set(
+        error, HAFT_ERROR_INPUT, "%s:%zu: a map of more than %d %s; it needs 2 to %d pixels a side",
+        file->path, number, HAFT_MAP_SIDE_MOST, wide ? "columns" : "rows", HAFT_MAP_SIDE_MOST);
 }
 
 /* One number from a token; a comma in it is a decimal one. */
