@@ -138,6 +138,9 @@ static bool holds_points(const table *t, const haft_map_file *file) {
 static haft_status make_room_for_rest(table *t, const haft_map_file *file, const char *rest,
                                       size_t bytes, haft_error *error) {
     size_t lines = 2, most = t->columns + bytes / 2 + 1;
+    if (t->columns == 0) { /* separators alone */
+        return HAFT_OK;
+    }
     for (const char *at = rest; (at = memchr(at, '\n', (size_t)(rest + bytes - at))) != NULL;
          at++) {
         lines++;

@@ -173,7 +173,8 @@ static void a_map_that_cannot_be_read_is_all_that_is_told(void **state) {
                              {"  s_1: 6.46e-3 nm^4           # at zeta_max\n", "  maps: map.txt\n"},
                              {NULL, NULL}});
     char path[400];
-    static const char *const maps[] = {"", "words\n", "1 2\n3\n", "1 2\n3 4\n"};
+    static const char *const maps[] = {"",          "words\n",   "1 2\n3\n",          "1 2\n3 4\n",
+                                       ";;\n1;2\n", ";\n;\n;\n", "# Width: 1 um\n;\n"};
     for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) {
         write_file(path_in(&c, "map.txt", path), maps[i], strlen(maps[i]));
         ran r = run_expect(3, HAFT, ARGS("check", c.path));
