@@ -2,6 +2,8 @@
 /* One run held against another, the reference: as a table, as JSON, and as data for a figure. */
 #include "against.h"
 
+#include "summary_report.h"
+
 #include "haft/study_report.h"
 
 #include <math.h>
@@ -66,17 +68,27 @@ static void print_json(const side *reference, const side *this, const haft_diffe
     printf("{\n  \"reference_stuck\": %zu,\n  \"stuck\": %zu,\n  \"reference_free\": %zu,\n  "
            "\"free\": %zu,\n",
            r->stuck, s->stuck, r->free, s->free);
-    printf("  \"reference_crack_length_mean_m\": %.12g,\n  \"crack_length_mean_m\": %.12g,\n"
-           "  \"mean_shift_m\": %.12g,\n  \"mean_shift_standard_error_m\": %.12g,\n",
-           r->mean, s->mean, d->difference, d->mean_error);
-    printf("  \"reference_crack_length_deviation_m\": %.12g,\n"
-           "  \"crack_length_deviation_m\": %.12g,\n  \"deviation_shift_m\": %.12g,\n"
-           "  \"deviation_shift_standard_error_m\": %.12g,\n",
-           r->deviation, s->deviation, d->deviation_shift, d->deviation_error);
-    printf("  \"kolmogorov_smirnov\": %.12g,\n  \"kolmogorov_smirnov_chance\": %.12g,\n"
-           "  \"wasserstein_m\": %.12g,\n  \"wasserstein_standard_error_m\": %.12g,\n"
-           "  \"wasserstein_by_chance_m\": %.12g,\n  \"seconds_per_beam\": %.12g\n}\n",
-           d->distance, d->p_value, d->w1, d->w1_error, d->w1_by_chance, s->seconds);
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = {{"reference_crack_length_mean_m", r->mean},
+                   {"crack_length_mean_m", s->mean},
+                   {"mean_shift_m", d->difference},
+                   {"mean_shift_standard_error_m", d->mean_error},
+                   {"reference_crack_length_deviation_m", r->deviation},
+                   {"crack_length_deviation_m", s->deviation},
+                   {"deviation_shift_m", d->deviation_shift},
+                   {"deviation_shift_standard_error_m", d->deviation_error},
+                   {"kolmogorov_smirnov", d->distance},
+                   {"kolmogorov_smirnov_chance", d->p_value},
+                   {"wasserstein_m", d->w1},
+                   {"wasserstein_standard_error_m", d->w1_error},
+                   {"wasserstein_by_chance_m", d->w1_by_chance}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        print_json_number(numbers[i].key, numbers[i].value, ",");
+    }
+    print_json_number("seconds_per_beam", s->seconds, "");
+    printf("}\n");
 }
 
 int tell_against(const haft_case *c, const char *case_folder, const char *reference, bool json,

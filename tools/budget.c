@@ -22,8 +22,10 @@ static void print_term(const haft_budget_term *t) {
 }
 
 static void print_budget(const haft_case *c, const haft_budget *b) {
-    printf("\n%s\nmean crack length %.3f um over %zu beams; what each approximation moves it by:\n",
-           c->title, b->mean * 1e6, b->beams);
+    printf("\n");
+    terminal_print(stdout, "%s", c->title);
+    printf("mean crack length %.3f um over %zu beams; what each approximation moves it by:\n",
+           b->mean * 1e6, b->beams);
     printf("  %-24s %9s %8s %6s %7s\n", "", "shift", "+-", "beams", "cost");
     printf("  %-24s %9s %8s %6s %7s\n", "", "[um]", "[um]", "", "[times]");
     for (size_t i = 0; i < b->count; i++) {

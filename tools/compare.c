@@ -61,10 +61,13 @@ static void make_label(entry *e, const char *folder) {
     bool swept = e->c->sweep.keys > 0;
     snprintf(e->label, sizeof e->label, "%.*s%s%s", (int)(end - start < 60 ? end - start : 60),
              folder + start, swept ? "/" : "", swept ? e->c->sweep.label : "");
-    for (char *at = e->label; *at != '\0'; at++) {
-        bool plain = (unsigned char)*at >= 128 || isalnum((unsigned char)*at) ||
-                     strchr("_-+./%", *at) != NULL;
-        *at = plain ? *at : '_';
+    for (char *at = e->label; *at != '\0';) {
+        char spelled[HAFT_SPELLED_CAPACITY];
+        size_t n = haft_text_spell(spelled, at, strlen(at));
+        bool plain = n > 1 ? strncmp(spelled, at, n) == 0
+                           : isalnum((unsigned char)*at) || strchr("_-+./%", *at) != NULL;
+        memset(at, '_', plain ? 0 : n);
+        at += n;
     }
 }
 
@@ -355,7 +358,8 @@ int compare_cases(size_t folders, char *const *folder, const char *directory, te
         return terminal_fail(t, status, &error);
     }
     if (!t->quiet) {
-        printf("\ntables and figure in %s\n", place);
+        printf("\n");
+        terminal_print(stdout, "tables and figure in %s", place);
     }
     return EXIT_OK;
 }

@@ -86,7 +86,7 @@ static haft_status draw_against(const pen *p, const char *reference, haft_error 
         return HAFT_OK;
     }
     haft_status status = write_against(title, reference, p->folder, error);
-    setenv("HAFT_REFERENCE", title, 1);
+    give_text("HAFT_REFERENCE", title);
     return status == HAFT_OK ? draw_each(p, figure, 1, error) : status;
 }
 
@@ -178,7 +178,7 @@ int draw_sweep(const haft_case *c, double greatest, const char *words, const cha
         return terminal_fail(t, status, &error);
     }
     if (!t->quiet) {
-        printf("figures in %s\n", folder);
+        terminal_print(stdout, "figures in %s", folder);
     }
     return EXIT_OK;
 }
@@ -256,7 +256,7 @@ int draw_case(const haft_case *c, const char *case_folder, long asked, const cha
         return terminal_fail(t, status, &error);
     }
     if (!t->quiet) {
-        printf("figures in %s\n", folder);
+        terminal_print(stdout, "figures in %s", folder);
     }
     return EXIT_OK;
 }

@@ -58,8 +58,14 @@ static haft_status draw(const char *scripts, const char *name, const char *folde
     return HAFT_OK;
 }
 
+void give_text(const char *variable, const char *text) {
+    char safe[HAFT_SPELLED_CAPACITY * HAFT_TEXT_CAPACITY];
+    (void)haft_text_quote(safe, sizeof safe, text, strlen(text));
+    setenv(variable, safe, 1);
+}
+
 static void set_environment(const char *title, const char *scripts) {
-    setenv("HAFT_TITLE", title, 1);
+    give_text("HAFT_TITLE", title);
     setenv("GNUPLOT_LIB", scripts, 1); /* where they find style.gp */
     setenv("LC_ALL", "C.UTF-8", 1);    /* the same figures whatever the locale */
 }

@@ -102,15 +102,16 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     case KEY_THREADS:
         count = strtol(value, &end, 10);
         if (end == value || *end != '\0' || count < 1 || count > 4096) {
-            argp_error(state, "--threads must be a whole number from 1 to 4096, not \"%s\"", value);
+            terminal_misuse(state, "--threads must be a whole number from 1 to 4096, not \"%s\"",
+                            value);
         }
         a->threads = (int)count;
         return 0;
     case KEY_COUNT:
         count = strtol(value, &end, 10);
         if (end == value || *end != '\0' || count < 1 || count > SAMPLE_LIMIT) {
-            argp_error(state, "--count must be a whole number from 1 to %d, not \"%s\"",
-                       SAMPLE_LIMIT, value);
+            terminal_misuse(state, "--count must be a whole number from 1 to %d, not \"%s\"",
+                            SAMPLE_LIMIT, value);
         }
         a->count = (size_t)count;
         return 0;
@@ -119,14 +120,14 @@ static error_t parse(int key, char *value, struct argp_state *state) {
         return 0;
     case ARGP_KEY_ARG:
         if (state->arg_num > 2) {
-            argp_error(state, "one command and one case, please; \"%s\" is too much", value);
+            terminal_misuse(state, "one command and one case, please; \"%s\" is too much", value);
         }
         *(state->arg_num == 0 ? &a->command : state->arg_num == 1 ? &a->folder : &a->table) = value;
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num < 2) {
-            argp_error(state,
-                       "a command and a case are needed, as in: haft-laws build cases/delrio-rh85");
+            terminal_misuse(
+                state, "a command and a case are needed, as in: haft-laws build cases/delrio-rh85");
         }
         return 0;
     default:
@@ -215,7 +216,7 @@ static haft_status sample(haft_laws **laws, const haft_case *c, const arguments 
         status = haft_study_write_sample(*laws, c, count, output, error);
     }
     if (status == HAFT_OK && !a->quiet) {
-        printf("%zu vectors in %s\n", count, output);
+        terminal_print(stdout, "%zu vectors in %s", count, output);
     }
     return status;
 }
@@ -236,15 +237,16 @@ static command find_command(const arguments *a) {
 /* @return false after saying what is wrong with the words of the command line */
 static bool can_be_meant(const arguments *a, command what) {
     if (what == COMMANDS) {
-        fprintf(stderr,
-                "haft-laws: there is no command \"%s\"; try build, info, study, sample, fit or "
-                "inspect\n",
-                a->command);
+        terminal_print(stderr,
+                       "haft-laws: there is no command \"%s\"; try build, info, study, sample, fit "
+                       "or inspect",
+                       a->command);
     } else if ((what == FIT) != (a->table != NULL)) {
-        fprintf(stderr,
-                what == FIT ? "haft-laws: fit needs a table, as in: haft-laws fit CASE TABLE.csv\n"
-                            : "haft-laws: one command and one case, please; \"%s\" is too much\n",
-                a->table);
+        terminal_print(stderr,
+                       what == FIT
+                           ? "haft-laws: fit needs a table, as in: haft-laws fit CASE TABLE.csv"
+                           : "haft-laws: one command and one case, please; \"%s\" is too much",
+                       a->table);
     } else {
         return true;
     }

@@ -85,8 +85,8 @@ static long parse_count(struct argp_state *state, const char *text, long least, 
     errno = 0;
     long value = strtol(text, &end, 10);
     if (errno != 0 || end == text || *end != '\0' || value < least || value > most) {
-        argp_error(state, "%s must be a whole number from %ld to %ld, not \"%s\"", what, least,
-                   most, text);
+        terminal_misuse(state, "%s must be a whole number from %ld to %ld, not \"%s\"", what, least,
+                        most, text);
     }
     return value;
 }
@@ -98,7 +98,8 @@ static haft_shard parse_shard(struct argp_state *state, const char *text) {
                    ? sscanf(text, "%7lu/%7lu%c", &index, &count, &end)
                    : 0;
     if (read != 2 || index < 1 || index > count) {
-        argp_error(state, "--shard must be I/N, as in 2/8, with I from 1 to N, not \"%s\"", text);
+        terminal_misuse(state, "--shard must be I/N, as in 2/8, with I from 1 to N, not \"%s\"",
+                        text);
     }
     return (haft_shard){index, count};
 }
@@ -139,14 +140,15 @@ static error_t parse(int key, char *value, struct argp_state *state) {
             return 0;
         }
         if (a->count > 0 && (strcmp(a->command, "compare") != 0 || a->count == FOLDERS_MAX)) {
-            argp_error(state, "one command and one case, please; \"%s\" is too much", value);
+            terminal_misuse(state, "one command and one case, please; \"%s\" is too much", value);
         }
         a->folders[a->count++] = value;
         a->folder = a->folders[0];
         return 0;
     case ARGP_KEY_END:
         if (state->arg_num < 2) {
-            argp_error(state, "a command and a case are needed, as in: haft run cases/delrio-rh85");
+            terminal_misuse(state,
+                            "a command and a case are needed, as in: haft run cases/delrio-rh85");
         }
         return 0;
     default:
@@ -159,7 +161,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
-    printf("%s: %s\n", c->name, c->title);
+    terminal_print(stdout, "%s: %s", c->name, c->title);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
            sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
     printf("  asperities           %.3g a um2, radius %.3g nm, heights %.3g nm (rms)\n",
@@ -201,7 +203,7 @@ static int command_check(const haft_case *c, const arguments *a, terminal *t) {
             printf("  sweep                %zu variants; the above is the first\n",
                    c->sweep.variants);
         }
-        printf("%s/case.yaml can be used\n", a->folder);
+        terminal_print(stdout, "%s/case.yaml can be used", a->folder);
     }
     return EXIT_OK;
 }
@@ -284,10 +286,10 @@ static int start(const arguments *a, terminal *t) {
         return EXIT_OK;
     }
     if (command == COMMANDS) {
-        fprintf(stderr,
-                "haft: there is no command \"%s\"; try check, run, resume, merge, plot, info, "
-                "report, budget or compare\n",
-                a->command);
+        terminal_print(stderr,
+                       "haft: there is no command \"%s\"; try check, run, resume, merge, plot, "
+                       "info, report, budget or compare",
+                       a->command);
         return EXIT_USAGE;
     }
     if (a->against != NULL && command != PLOT && command != INFO) {

@@ -178,7 +178,7 @@ static void print_moments(const char *label, haft_psd_moments m) {
 
 static void print_fit(const findings *f) {
     if (!f->fitted) {
-        printf("  no self-affine fit: %s\n", f->why_not.message);
+        terminal_print(stdout, "  no self-affine fit: %s", f->why_not.message);
         return;
     }
     const haft_psd_fit *fit = &f->fit;
@@ -195,8 +195,9 @@ static void print_fit(const findings *f) {
 static void print_findings(const char *path, const findings *f, const wishes *w) {
     const haft_map *map = f->map;
     const haft_map_statistics *s = &f->statistics;
-    printf("%s: %s%s%s%s\n", path, map->format, map->channel[0] != '\0' ? ", channel \"" : "",
-           map->channel, map->channel[0] != '\0' ? "\"" : "");
+    bool named = map->channel[0] != '\0';
+    terminal_print(stdout, "%s: %s%s%s%s", path, map->format, named ? ", channel \"" : "",
+                   map->channel, named ? "\"" : "");
     printf("  %zu x %zu pixels of %.6g x %.6g nm, %.6g x %.6g um; %zu missing, %zu masked\n",
            map->columns, map->rows, map->step_column * 1e9, map->step_row * 1e9,
            map->step_column * 1e6 * (double)map->columns, map->step_row * 1e6 * (double)map->rows,
@@ -210,7 +211,7 @@ static void print_findings(const char *path, const findings *f, const wishes *w)
            sqrt(s->curvature_y) * 1e-6);
     print_moments("moments by differences", s->moments);
     if (f->psd == NULL) {
-        printf("  no PSD: %s\n", f->why_not.message);
+        terminal_print(stdout, "  no PSD: %s", f->why_not.message);
         return;
     }
     print_moments("moments of the radial PSD", f->moments);
@@ -342,7 +343,7 @@ haft_status inspect_map(const char *path, const inspect_words *words, const char
         status = draw_findings(path, &f, folder, error);
     }
     if (status == HAFT_OK && !quiet) {
-        printf("  figure and data in %s\n", folder);
+        terminal_print(stdout, "  figure and data in %s", folder);
     }
     haft_psd_table_destroy(&f.psd);
     haft_map_destroy(&f.map);

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const size_t PICTURE_MOST = (size_t)1 << 28;
+
 static const char HEAD[] =
     "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -76,9 +78,16 @@ void page_markup(page *p, const char *markup) {
     fputs(markup, p->stream);
 }
 
+/* Line breaks stay, as a resolved case has them; all else that cannot be shown is spelled out. */
 static void write_escaped(FILE *stream, const char *text) {
-    for (; *text != '\0'; text++) {
+    size_t left = strlen(text);
+    while (left > 0) {
+        char spelled[HAFT_SPELLED_CAPACITY];
+        size_t n = haft_text_spell(spelled, text, left);
         switch (*text) {
+        case '\n':
+            fputc('\n', stream);
+            break;
         case '&':
             fputs("&amp;", stream);
             break;
@@ -95,8 +104,10 @@ static void write_escaped(FILE *stream, const char *text) {
             fputs("&#39;", stream);
             break;
         default:
-            fputc(*text, stream);
+            fputs(spelled, stream);
         }
+        text += n;
+        left -= n;
     }
 }
 
@@ -128,30 +139,6 @@ void page_element(page *p, const char *tag, const char *kind, const char *format
 }
 
 /* ---- pictures ---- */
-
-static char *read_file(const char *path, size_t *size) {
-    FILE *stream = fopen(path, "rb");
-    char *data = NULL;
-    long end = -1;
-    if (stream != NULL && fseek(stream, 0, SEEK_END) == 0) {
-        end = ftell(stream);
-        rewind(stream);
-    }
-    if (end >= 0) {
-        data = malloc((size_t)end + 1);
-    }
-    if (data != NULL && fread(data, 1, (size_t)end, stream) == (size_t)end) {
-        data[end] = '\0';
-        *size = (size_t)end;
-    } else {
-        free(data);
-        data = NULL;
-    }
-    if (stream != NULL) {
-        fclose(stream);
-    }
-    return data;
-}
 
 static void write_base64(FILE *stream, const unsigned char *data, size_t size) {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -187,14 +174,15 @@ static void write_svg(page *p, const char *svg) {
 
 bool page_figure(page *p, const char *path, const char *caption) {
     size_t size = 0, length = strlen(path);
-    char *data = read_file(path, &size);
+    char *data = NULL;
+    (void)!haft_file_read(&data, &size, path, PICTURE_MOST, NULL);
     const char *svg = NULL;
     bool vector = length > 4 && strcmp(path + length - 4, ".svg") == 0;
     if (data != NULL && vector) {
         svg = strstr(data, "<svg");
     }
     if (data == NULL || (vector && svg == NULL)) {
-        free(data);
+        haft_memory_free(data);
         return false;
     }
     p->figures++;
@@ -211,7 +199,7 @@ bool page_figure(page *p, const char *path, const char *caption) {
     page_markup(p, "</div>\n");
     page_element(p, "figcaption", NULL, "%s", caption);
     page_markup(p, "</figure>\n");
-    free(data);
+    haft_memory_free(data);
     return true;
 }
 

@@ -443,7 +443,7 @@ int report_case(const haft_case *c, const char *folder, long asked, terminal *t)
         return terminal_fail(t, status, &error);
     }
     if (!t->quiet) {
-        printf("report in %s\n", path);
+        terminal_print(stdout, "report in %s", path);
     }
     return EXIT_OK;
 }

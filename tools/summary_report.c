@@ -3,6 +3,8 @@
  * sweep. */
 #include "summary_report.h"
 
+#include "terminal.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -51,7 +53,8 @@ static void print_quantiles(const haft_case *c, const haft_statistics *s) {
 static void print_summary(const haft_case *c, const haft_statistics *s) {
     char interval[40];
     snprintf(interval, sizeof interval, "%.4g %% interval", 100 * s->confidence);
-    printf("\n%s\n", c->title);
+    printf("\n");
+    terminal_print(stdout, "%s", c->title);
     printf("  %-26s %9s %-20s %9s %9s\n", "crack length at rest [um]", "Haft", interval, "paper",
            "measured");
     print_row("mean", s->mean, &s->mean_interval, c->reference.paper_crack_length,
@@ -74,7 +77,7 @@ static void print_summary(const haft_case *c, const haft_statistics *s) {
            s->ledger_error, s->unfit);
 }
 
-static void print_json_number(const char *key, double value, const char *end) {
+void print_json_number(const char *key, double value, const char *end) {
     if (isfinite(value)) {
         printf("  \"%s\": %.12g%s\n", key, value, end);
     } else {
@@ -207,7 +210,9 @@ void print_sweep(const haft_variant *variant, size_t variants, bool json) {
         return;
     }
     const struct haft_case_sweep *sweep = &variant[0].c->sweep;
-    printf("\n%s\n %3s", variant[0].c->title, "");
+    printf("\n");
+    terminal_print(stdout, "%s", variant[0].c->title);
+    printf(" %3s", "");
     size_t shown = 0;
     for (size_t k = 0; k < sweep->keys; k++) {
         if (!is_reference(sweep, k)) {

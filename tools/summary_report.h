@@ -4,6 +4,9 @@
 
 #include "haft/study.h"
 
+/* Prints one member of a JSON object, null where it is no finite number, and `end`. */
+void print_json_number(const char *key, double value, const char *end);
+
 /* Prints the statistics of a run beside its references, or as JSON. */
 void print_result(const haft_case *c, const haft_summary *summary, bool json);
 

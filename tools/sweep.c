@@ -113,16 +113,12 @@ static void take_over_laws(const sweep *s, size_t i, const char *folder) {
 
 /* Whether the file holds just this text. */
 static bool holds(const char *path, const char *text) {
-    FILE *stream = fopen(path, "r");
-    size_t at = 0;
-    bool same = stream != NULL;
-    for (int c; same && (c = getc(stream)) != EOF; at++) {
-        same = text[at] != '\0' && text[at] == (char)c;
-    }
-    if (stream != NULL) {
-        fclose(stream);
-    }
-    return same && text[at] == '\0';
+    char *bytes = NULL;
+    size_t size = 0, length = strlen(text);
+    bool same = haft_file_read(&bytes, &size, path, length, NULL) == HAFT_OK && size == length &&
+                memcmp(bytes, text, length) == 0;
+    haft_memory_free(bytes);
+    return same;
 }
 
 /* Writes a variant's case.yaml. One of another sweep is not replaced under results that may be its
@@ -277,7 +273,7 @@ static haft_run_mode mode_of(haft_run_mode mode, const char *variant) {
     char results[PATH_CAPACITY], parts[PATH_CAPACITY];
     bool begun = case_out_path(results, variant, "results.h5", NULL) == HAFT_OK &&
                  case_out_path(parts, variant, "parts", NULL) == HAFT_OK &&
-                 (access(results, F_OK) == 0 || access(parts, F_OK) == 0);
+                 (access(results, F_OK) == 0 || haft_parts_are_in(parts));
     return mode == HAFT_RUN_RESUME && !begun ? HAFT_RUN_NEW : mode;
 }
 
@@ -321,7 +317,16 @@ static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_ru
     haft_status worst = HAFT_OK;
     haft_error said = {0};
     *complete = true;
+    haft_progress progress = terminal_progress(t);
     for (size_t i = 0; i < s->variants; i++) {
+        if (haft_study_rank() == 0 &&
+            progress.stop(progress.user)) { /* a variant that is complete asks for no stop */
+            *complete = false;
+            (void)haft_study_ranks_agree(false);
+            return haft_error_set(error, HAFT_ERROR_INTERRUPTED,
+                                  "interrupted before variant %s; `haft resume` goes on from there",
+                                  s->c[i]->sweep.label);
+        }
         haft_status status = run_variant(s, i, complete, folder, mode, t, error);
         if (status != HAFT_OK) {
             haft_error_prefix(error, "variant %s: ", s->c[i]->sweep.label);

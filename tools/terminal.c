@@ -2,10 +2,14 @@
 /* The programs' voice. */
 #include "terminal.h"
 
+#include <argp.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -36,13 +40,45 @@ static void occupy_standard_streams(void) {
 void terminal_open(terminal *t, const char *program, bool quiet) {
     *t = (terminal){.program = program, .quiet = quiet, .live = isatty(STDERR_FILENO) == 1};
     occupy_standard_streams();
-    struct sigaction action = {.sa_handler = catch_signal};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    action.sa_handler = SIG_IGN; /* a full file or a closed pipe is told as an error */
+    struct sigaction action = {.sa_handler = SIG_IGN}; /* a full file or a closed pipe is told */
+    sigemptyset(&action.sa_mask);                      /* as an error */
     sigaction(SIGXFSZ, &action, NULL);
     sigaction(SIGPIPE, &action, NULL);
+}
+
+/* The text that printf would print, made safe to show; NULL without memory. To be freed. */
+static char *make_safe(const char *format, va_list args) HAFT_PRINTF(1, 0);
+static char *make_safe(const char *format, va_list args) {
+    char *text = NULL;
+    int length = vasprintf(&text, format, args);
+    if (length < 0) {
+        return NULL;
+    }
+    size_t capacity = HAFT_SPELLED_CAPACITY * (size_t)length + 1;
+    char *safe = malloc(capacity);
+    if (safe != NULL) {
+        (void)haft_text_quote(safe, capacity, text, (size_t)length);
+    }
+    free(text);
+    return safe;
+}
+
+void terminal_print(FILE *stream, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    char *text = make_safe(format, args);
+    va_end(args);
+    fprintf(stream, "%s\n", text != NULL ? text : "(no memory for a line)");
+    free(text);
+}
+
+void terminal_misuse(const struct argp_state *state, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    char *text = make_safe(format, args);
+    va_end(args);
+    argp_error(state, "%s", text != NULL ? text : "wrong usage");
+    free(text);
 }
 
 static void format_time(char text[32], double seconds) {
@@ -68,8 +104,8 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
         t->tenth = 0;
     }
     char left[32], say[40] = ""; /* nothing is known of the time left before one more is done */
-    double spent = time - t->started;
-    size_t own = done - t->before;
+    double spent = fmax(0, time - t->started);
+    size_t own = done > t->before ? done - t->before : 0;
     if (own > 0) {
         format_time(left, spent / (double)own * (double)(total - done));
         snprintf(say, sizeof say, ", %s left", left);
@@ -92,7 +128,7 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
 static void note(void *user, const char *text) {
     const terminal *t = user;
     if (!t->quiet) {
-        fprintf(stderr, "%s\n", text);
+        terminal_print(stderr, "%s", text);
     }
 }
 
@@ -102,6 +138,10 @@ static bool stop(void *user) {
 }
 
 haft_progress terminal_progress(terminal *t) {
+    struct sigaction action = {.sa_handler = catch_signal};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
     return (haft_progress){.advance = advance, .note = note, .stop = stop, .user = t};
 }
 

@@ -5,6 +5,8 @@
 
 #include "haft/study.h"
 
+#include <stdio.h>
+
 /* Exit codes, as `--help` lists them. */
 enum {
     EXIT_OK = 0,
@@ -34,11 +36,20 @@ typedef struct terminal {
     size_t tenth;  /* tenths told so far, where lines are all there is */
 } terminal;
 
-/* Sets up output and catches SIGINT and SIGTERM. */
+/* Sets up output. SIGINT and SIGTERM end the program, as ever, until there is a progress. */
 void terminal_open(terminal *t, const char *program, bool quiet);
 
-/* A progress that speaks through this terminal and stops on the signals caught. */
+/* A progress that speaks through this terminal and stops on SIGINT and SIGTERM, which are caught
+ * from here on: only for who asks it whether to stop. */
 haft_progress terminal_progress(terminal *t);
+
+/* Prints one line, as printf does, made safe to show whatever names of files and keys are in it
+ * (haft_text_quote); the line break is added. */
+void terminal_print(FILE *stream, const char *format, ...) HAFT_PRINTF(2, 3);
+
+/* Says so what is wrong with the command line, and ends the program. */
+struct argp_state;
+void terminal_misuse(const struct argp_state *state, const char *format, ...) HAFT_PRINTF(2, 3);
 
 /* Ends a progress line. */
 void terminal_close_line(terminal *t);

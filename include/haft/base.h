@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /** @file base.h
- *  Status and error, memory, units, random streams, input digests: what every room stands on. */
+ *  Status and error, memory, safe text, files, units, random streams, input digests: what every
+ *  room stands on. */
 #ifndef HAFT_BASE_H
 #define HAFT_BASE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -65,13 +67,21 @@ typedef struct haft_error {
     char message[HAFT_ERROR_CAPACITY]; /**< what happened, where, and what would do */
 } haft_error;
 
-/** Writes a message and returns `status`, so that `return haft_error_set(...)` reads well.
+/** Writes a message and returns `status`, so that `return haft_error_set(...)` reads well. The
+ *  message is one line of valid UTF-8, safe to print: see haft_text_quote().
  *  @param[out] error may be NULL: then only the status is handed on
  *  @param[in] status other than HAFT_OK
  *  @param[in] format as printf() takes it, then its arguments
  *  Thread-safe for distinct errors. */
 haft_status haft_error_set(haft_error *error, haft_status status, const char *format, ...)
     HAFT_PRINTF(3, 4);
+
+/** Adds a line to the message that `error` holds already.
+ *  @param[in,out] error may be NULL: then there is no room
+ *  @param[in] spare bytes of the message's capacity to be left free after it
+ *  @param[in] format as printf() takes it, then its arguments
+ *  @return false, with nothing added, if there is no room for all of it */
+bool haft_error_add(haft_error *error, size_t spare, const char *format, ...) HAFT_PRINTF(3, 4);
 
 /** Puts text in front of the message that `error` holds already ("cases/a/case.yaml: ..."). */
 void haft_error_prefix(haft_error *error, const char *format, ...) HAFT_PRINTF(2, 3);
@@ -91,6 +101,60 @@ void *haft_memory_alloc(size_t count, size_t size, haft_error *error) HAFT_MUST_
 
 /** Frees what haft_memory_alloc() gave; NULL is allowed. */
 void haft_memory_free(void *memory);
+
+/** Reads one UTF-8 character.
+ *  @param[in] text its first byte
+ *  @param[in] size bytes of the text
+ *  @param[out] code its code point, where there is one
+ *  @return its bytes, 0 if there is no valid character. Thread-safe. */
+size_t haft_text_character(const char *text, size_t size, uint32_t *code);
+
+/** Whether a character may stand in one line of text: no control character, line break or byte
+ *  order mark. Thread-safe. */
+bool haft_text_is_printable(uint32_t code);
+
+/** Bytes of one character as haft_text_spell() writes it, its final 0 included. */
+#define HAFT_SPELLED_CAPACITY 12
+
+/** Writes the next character of a text in a way that is safe to show: itself, or spelled out, as
+ *  "\\n", "\\x1b" or "\\u202e", if it is a control character, a line break, a mark that turns the
+ *  direction of text, or no valid UTF-8.
+ *  @param[out] spelled the character and a 0
+ *  @param[in] text its next byte
+ *  @param[in] size bytes of the text, at least 1
+ *  @return the bytes of the text that it stands for. Thread-safe. */
+size_t haft_text_spell(char spelled[HAFT_SPELLED_CAPACITY], const char *text, size_t size);
+
+/** Writes a text, character by character, in a way that is safe to show: one line of valid UTF-8
+ *  that steers no terminal. Text that is safe already stays as it is.
+ *  @param[out] out the text and a 0
+ *  @param[in] capacity of `out`, at least 1
+ *  @param[in] text any bytes
+ *  @param[in] size how many
+ *  @return false if it was cut, between two characters. Thread-safe. */
+bool haft_text_quote(char *out, size_t capacity, const char *text, size_t size);
+
+/** Opens a regular file for reading, without waiting: not a directory, pipe, device or socket.
+ *  @param[out] descriptor to be closed with close(); -1 where it fails
+ *  @param[out] size bytes of the file; may be NULL
+ *  @param[in] path of the file
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_IO, with the file and the reason. Thread-safe. */
+haft_status haft_file_open(int *descriptor, size_t *size, const char *path,
+                           haft_error *error) HAFT_MUST_CHECK;
+
+/** The same as a stream, to be closed with fclose(). */
+haft_status haft_file_stream(FILE **stream, const char *path, haft_error *error) HAFT_MUST_CHECK;
+
+/** Reads a regular file whole.
+ *  @param[out] bytes its bytes and a 0, to be freed with haft_memory_free(); NULL where it fails
+ *  @param[out] size bytes of the file
+ *  @param[in] path of the file
+ *  @param[in] most bytes that it may have: nothing is read of a larger one
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_IO, HAFT_ERROR_INPUT if it is larger, HAFT_ERROR_MEMORY. Thread-safe. */
+haft_status haft_file_read(char **bytes, size_t *size, const char *path, size_t most,
+                           haft_error *error) HAFT_MUST_CHECK;
 
 /** A units database (UDUNITS-2). Not thread-safe: one thread at a time. */
 typedef struct haft_units haft_units;

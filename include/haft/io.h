@@ -320,11 +320,15 @@ haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **
                             const haft_parts *parts, size_t realization, size_t dofs,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Deletes all parts, one by one. */
+/** Whether a folder holds parts: files that Haft names so, whatever is in them. Thread-safe. */
+bool haft_parts_are_in(const char *folder);
+
+/** Deletes all parts, one by one. Files of other names stay, here and wherever parts go. */
 haft_status haft_parts_clear(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
 /** Deletes all parts at once, for whoever looks: the folder, held by a run alone, is first renamed
- *  FOLDER.tmp.PID, so that a process killed meanwhile leaves all parts or none. */
+ *  FOLDER.tmp.PID, so that a process killed meanwhile leaves all parts or none. A folder that
+ *  holds other files too stays where it is, and its parts go one by one. */
 haft_status haft_parts_retire(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
 /** What `haft plot` and `haft info` need of a results file. */
@@ -387,8 +391,8 @@ haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path
 /** Frees shapes and sets the pointer to NULL; NULL is allowed. */
 void haft_results_shapes_destroy(haft_results_shapes **shapes);
 
-/** Removes the temporary files and folders of `path` (PATH.tmp.PID) whose processes are no more on
- * this machine. Thread-safe. */
+/** Removes the temporary files and folders of parts of `path` (PATH.tmp.PID, PATH.tmp.PID.N) whose
+ * processes are no more on this machine. Thread-safe. */
 void haft_io_drop_stale(const char *path);
 
 /** Writes a text to `path`, whole or not at all. Thread-safe for distinct paths. */

@@ -146,6 +146,9 @@ typedef struct haft_surface_spec {
     haft_random_key key; /**< of the noise */
 } haft_surface_spec;
 
+/** How many times finer than pi / zeta_max the grid of a surface may be. */
+#define HAFT_SURFACE_FINEST 64
+
 /** The number of fine steps in a lattice step for this PSD and grid, or 0 if the grid is too coarse
  *  to carry the PSD's shortest wave. */
 size_t haft_surface_lattice_ratio(const haft_psd *psd, double grid_step);

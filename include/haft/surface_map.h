@@ -26,8 +26,11 @@ typedef struct haft_map {
     char format[HAFT_CHANNEL_CAPACITY];  /**< what kind of file it came from */
 } haft_map;
 
-/** Heights zero. @return HAFT_ERROR_INPUT for fewer than 2 or more than 2^15 pixels a side, or a
- *  pixel that is not positive. */
+/** Most pixels of a map along one side. */
+#define HAFT_MAP_SIDE_MOST 32768
+
+/** Heights zero. @return HAFT_ERROR_INPUT for fewer than 2 or more than HAFT_MAP_SIDE_MOST pixels a
+ * side, or a pixel that is not positive. */
 haft_status haft_map_create(haft_map **out, size_t rows, size_t columns, double step_row,
                             double step_column, haft_error *error) HAFT_MUST_CHECK;
 

@@ -1,27 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors are values: the caller owns one haft_error, every failing function writes one message. */
+/* Errors are values: the caller owns one haft_error, every failing function writes one message.
+ * Every message is made here, so here whatever it quotes of files and users is made safe to show:
+ * a message's only line breaks are those between the lines that haft_error_add() made. */
 #include "haft/base.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static void mark_cut(haft_error *error, int length) {
-    if (length >= HAFT_ERROR_CAPACITY) {
-        memcpy(error->message + HAFT_ERROR_CAPACITY - 4, "...", 4);
+/* Ends a message that did not fit in "...", without a torn character before it. */
+static void mark_cut(char message[HAFT_ERROR_CAPACITY]) {
+    size_t end = strlen(message);
+    end = end < HAFT_ERROR_CAPACITY - 4 ? end : HAFT_ERROR_CAPACITY - 4;
+    while (end > 0 && ((unsigned char)message[end] & 0xc0) == 0x80) {
+        end--;
     }
+    memcpy(message + end, "...", 4);
+}
+
+/* Formats text and makes it safe to show. @return false if it had to be cut */
+static bool write_safe(char *out, size_t capacity, const char *format, va_list arguments)
+    HAFT_PRINTF(3, 0);
+static bool write_safe(char *out, size_t capacity, const char *format, va_list arguments) {
+    char raw[HAFT_ERROR_CAPACITY];
+    int length = vsnprintf(raw, sizeof raw, format, arguments);
+    size_t size = length < 0 ? 0 : strlen(raw);
+    return haft_text_quote(out, capacity, raw, size) && (size_t)length == size;
 }
 
 haft_status haft_error_set(haft_error *error, haft_status status, const char *format, ...) {
     if (error != NULL) {
         va_list arguments;
         va_start(arguments, format);
-        int length = vsnprintf(error->message, sizeof error->message, format, arguments);
+        if (!write_safe(error->message, sizeof error->message, format, arguments)) {
+            mark_cut(error->message);
+        }
         va_end(arguments);
-        mark_cut(error, length);
         error->status = status;
     }
     return status;
+}
+
+bool haft_error_add(haft_error *error, size_t spare, const char *format, ...) {
+    size_t used = error == NULL ? HAFT_ERROR_CAPACITY : strlen(error->message);
+    if (used + 2 + spare > HAFT_ERROR_CAPACITY) {
+        return false;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    bool fits = write_safe(error->message + used + 1, HAFT_ERROR_CAPACITY - used - 1 - spare,
+                           format, arguments);
+    va_end(arguments);
+    error->message[used] = fits ? '\n' : '\0';
+    return fits;
 }
 
 void haft_error_prefix(haft_error *error, const char *format, ...) {
@@ -32,13 +63,15 @@ void haft_error_prefix(haft_error *error, const char *format, ...) {
     memcpy(old, error->message, sizeof old);
     va_list arguments;
     va_start(arguments, format);
-    int length = vsnprintf(error->message, sizeof error->message, format, arguments);
+    bool fits = write_safe(error->message, sizeof error->message, format, arguments);
     va_end(arguments);
-    if (length >= 0 && length < HAFT_ERROR_CAPACITY) {
-        size_t room = sizeof error->message - (size_t)length;
-        length += snprintf(error->message + length, room, "%s", old);
+    size_t used = strlen(error->message), room = sizeof error->message - used;
+    if (fits) {
+        fits = snprintf(error->message + used, room, "%s", old) < (int)room;
     }
-    mark_cut(error, length);
+    if (!fits) {
+        mark_cut(error->message);
+    }
 }
 
 const char *haft_status_name(haft_status status) {

@@ -88,10 +88,6 @@ bool haft_case_is_member(const char *path, const char *section);
 /* The last part of a dotted path. */
 const char *haft_case_leaf(const char *path);
 
-/* Length of a UTF-8 character that a case may hold (tab and line breaks included), 0 if there is
- * none at `text`; *code is its code point. */
-size_t haft_case_character(const unsigned char *text, size_t size, uint32_t *code);
-
 /* Fields that stay as they are when a key with the fallback "none" is missing. */
 void haft_case_preset(haft_case *c);
 

@@ -99,13 +99,26 @@ static void check_surface(haft_case_reader *reader, double *lattice) {
     if (!known || !(psd->zeta_max > 0) || !haft_case_is_sound(reader, "surface.grid_step")) {
         return;
     }
+    double largest = PI / psd->zeta_max, least = largest / HAFT_SURFACE_FINEST;
+    bool generated = c->surface.source != HAFT_SOURCE_MAPS;
+    if (generated && c->surface.grid_step < least) {
+        WRONG(reader, "surface.grid_step",
+              "%s is finer than the shortest wave of the PSD can use; give %s (pi/zeta_max/%d) at "
+              "least",
+              length_text(c->surface.grid_step, a), length_text(ceil(least * 1e13) * 1e-13, b),
+              HAFT_SURFACE_FINEST);
+        return;
+    }
     size_t ratio = haft_surface_lattice_ratio(psd, c->surface.grid_step);
+    if (ratio == 0 && c->surface.grid_step < largest) {
+        *lattice = c->surface.grid_step; /* any will do for patches of a map */
+        return;
+    }
     if (ratio == 0) {
         WRONG(reader, "surface.grid_step",
               "%s is too coarse for the shortest wave of the PSD; give "
               "%s (pi/zeta_max) at most",
-              length_text(c->surface.grid_step, a),
-              length_text(floor(PI / psd->zeta_max * 1e13) * 1e-13, b));
+              length_text(c->surface.grid_step, a), length_text(floor(largest * 1e13) * 1e-13, b));
         return;
     }
     *lattice = (double)ratio * c->surface.grid_step;

@@ -81,21 +81,14 @@ haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *f
     const char *path = files->path[0];
     *n = 0;
     *points = haft_memory_alloc(POINTS_MOST, 2 * sizeof **points, error);
-    char *bytes = haft_memory_alloc(BYTES_MOST, 1, error);
-    FILE *stream = fopen(path, "rb");
-    haft_status status = *points == NULL || bytes == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    if (status == HAFT_OK && stream == NULL) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read", path);
+    char *bytes = NULL;
+    size_t size = 0;
+    haft_status status = *points == NULL ? HAFT_ERROR_MEMORY
+                                         : haft_file_read(&bytes, &size, path, BYTES_MOST, error);
+    if (status == HAFT_OK && size == 0) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: is empty", path);
     }
-    size_t size = status == HAFT_OK ? fread(bytes, 1, BYTES_MOST, stream) : 0;
-    if (stream != NULL) {
-        fclose(stream);
-    }
-    if (status == HAFT_OK && (size == 0 || size == BYTES_MOST)) {
-        status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: %s", path,
-                                size == 0 ? "is empty" : "is longer than 4 MiB");
-    }
-    stream = status == HAFT_OK ? fmemopen(bytes, size, "r") : NULL;
+    FILE *stream = status == HAFT_OK ? fmemopen(bytes, size, "r") : NULL;
     if (stream != NULL) {
         haft_digest_memory(bytes, size, files->digest[0]);
         status = read_lines(*points, n, stream, path, names, factors, error);

@@ -42,25 +42,21 @@ haft_status haft_case_report(haft_case_reader *reader, const char *file, haft_er
         reader->complaints < HAFT_COMPLAINTS_MAX ? reader->complaints : HAFT_COMPLAINTS_MAX;
     qsort(reader->complaint, kept, sizeof *reader->complaint, by_place);
     enum { TAIL = 32 }; /* room for "and N more" */
-    char message[HAFT_ERROR_CAPACITY];
-    size_t used = 0, told = 0;
-    message[0] = '\0';
-    for (; told < kept; told++) {
+    size_t told = 0;
+    for (bool fits = true; fits && told < kept; told += fits) {
         const haft_complaint *complaint = &reader->complaint[told];
-        char line[HAFT_ERROR_CAPACITY];
-        int n = snprintf(line, sizeof line, "%s%s:%zu:%zu: %s", told > 0 ? "\n" : "", file,
-                         complaint->mark.line, complaint->mark.column, complaint->text);
-        if (n < 0 || (size_t)n >= sizeof message - TAIL - used) {
-            break;
+        if (told == 0) {
+            haft_error_set(error, HAFT_ERROR_INPUT, "%s:%zu:%zu: %s", file, complaint->mark.line,
+                           complaint->mark.column, complaint->text);
+        } else {
+            fits = haft_error_add(error, TAIL, "%s:%zu:%zu: %s", file, complaint->mark.line,
+                                  complaint->mark.column, complaint->text);
         }
-        memcpy(message + used, line, (size_t)n + 1);
-        used += (size_t)n;
     }
     if (told < reader->complaints) {
-        snprintf(message + used, sizeof message - used, "%sand %zu more", told > 0 ? "\n" : "",
-                 reader->complaints - told);
+        haft_error_add(error, 0, "and %zu more", reader->complaints - told);
     }
-    return haft_error_set(error, HAFT_ERROR_INPUT, "%s", message);
+    return HAFT_ERROR_INPUT;
 }
 
 /* Levenshtein's distance of words of up to HAFT_KEY_CAPACITY characters. */

@@ -263,22 +263,24 @@ static bool check_choices(haft_case_reader *reader) {
     return good;
 }
 
-void haft_case_load_surface(haft_case_reader *reader) {
+/* @return false after a complaint of the surface itself */
+static bool load_surface(haft_case_reader *reader) {
     haft_case *c = reader->c;
     bool maps = haft_case_is_given(reader, "surface.maps");
     bool table = haft_case_is_given(reader, "surface.psd");
     if (maps && table) {
         WRONG(reader, "surface.psd", "is given beside surface.maps; leave one out");
-        return;
+        return false;
     }
     if (reader->section_mark[haft_case_find_section("surface")].line == 0 ||
         !haft_case_is_sound(reader, "surface.maps") || !haft_case_is_sound(reader, "surface.psd") ||
         !haft_case_is_sound(reader, "surface.opposite_maps")) {
-        return;
+        return false;
     }
     const char *key = maps ? "surface.maps" : table ? "surface.psd" : NULL;
-    if (!check_parameters(reader, key) || !check_choices(reader)) {
-        return;
+    bool good = check_parameters(reader, key);
+    if (!good || !check_choices(reader)) {
+        return good && key == NULL; /* parameters can be judged all the same */
     }
     haft_error error = {0};
     haft_status status = HAFT_OK;
@@ -293,5 +295,19 @@ void haft_case_load_surface(haft_case_reader *reader) {
     }
     if (status != HAFT_OK) {
         WRONG(reader, key, "%.460s", error.message);
+    }
+    return status == HAFT_OK || !(maps || table);
+}
+
+void haft_case_load_surface(haft_case_reader *reader) {
+    static const char *const keys[] = {"surface.zeta_max", "surface.zeta_0", "surface.s_0",
+                                       "surface.s_1"};
+    haft_key_state maps = reader->state[haft_case_find_key("surface.maps")];
+    haft_key_state table = reader->state[haft_case_find_key("surface.psd")];
+    bool files = maps == HAFT_GOOD || maps == HAFT_BAD || table == HAFT_GOOD || table == HAFT_BAD;
+    if (!load_surface(reader) && files) { /* there is no PSD, so nothing of it can be judged */
+        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+            reader->state[haft_case_find_key(keys[k])] = HAFT_BAD;
+        }
     }
 }

@@ -97,7 +97,7 @@ static void take_value(haft_case_reader *reader, yaml_document_t *document, int 
     if (good) {
         sweep->value[sweep->keys] = haft_case_number(reader->c, k);
     }
-    snprintf(sweep->text[sweep->keys], sizeof sweep->text[0], "%s", text);
+    (void)haft_text_quote(sweep->text[sweep->keys], sizeof sweep->text[0], text, strlen(text));
     sweep->keys++;
     if (strncmp(k->path, "reference.", strlen("reference.")) != 0) { /* it changes no result */
         add_to_label(sweep, haft_case_leaf(k->path), text);

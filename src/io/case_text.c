@@ -4,11 +4,7 @@
  * small. The first thing wrong ends the reading, with its line and column. */
 #include "case_text.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 haft_mark haft_case_mark_of(yaml_mark_t mark) {
     return (haft_mark){mark.line + 1, mark.column + 1};
@@ -16,67 +12,19 @@ haft_mark haft_case_mark_of(yaml_mark_t mark) {
 
 /* ---- bytes ---- */
 
-static haft_status read_bytes(haft_case_text *out, int descriptor, const char *path,
-                              haft_error *error) {
-    struct stat facts;
-    if (fstat(descriptor, &facts) != 0) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", path,
-                              strerror(errno));
-    }
-    if (S_ISDIR(facts.st_mode)) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s: is a directory; give the case.yaml in it",
-                              path);
-    }
-    if (!S_ISREG(facts.st_mode)) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s: is no regular file; give a case.yaml",
-                              path);
-    }
-    out->bytes = haft_memory_alloc(HAFT_CASE_SIZE_LIMIT + 1, 1, error);
-    if (out->bytes == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    ssize_t n = 1;
-    while (n > 0 && out->size < HAFT_CASE_SIZE_LIMIT + 1) {
-        n = read(descriptor, out->bytes + out->size, HAFT_CASE_SIZE_LIMIT + 1 - out->size);
-        if (n < 0) {
-            return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", path,
-                                  strerror(errno));
-        }
-        out->size += (size_t)n;
-    }
-    if (out->size > HAFT_CASE_SIZE_LIMIT) {
-        return haft_error_set(error, HAFT_ERROR_INPUT, "%s: is larger than %d KiB; no case.yaml is",
-                              path, HAFT_CASE_SIZE_LIMIT / 1024);
-    }
-    out->bytes[out->size] = '\0';
-    return HAFT_OK;
-}
-
-static haft_status load(haft_case_text *out, const char *path, haft_error *error) {
-    *out = (haft_case_text){NULL, 0};
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be opened: %s", path,
-                              strerror(errno));
-    }
-    haft_status status = read_bytes(out, descriptor, path, error);
-    close(descriptor);
-    return status;
-}
-
 /* Complains of the first byte that is not UTF-8 text. */
 static haft_status check_characters(const haft_case_text *text, const char *file,
                                     haft_error *error) {
     size_t line = 1, column = 1;
     for (size_t i = 0; i < text->size;) {
         uint32_t code = 0;
-        const unsigned char *at = (const unsigned char *)text->bytes + i;
-        size_t n = haft_case_character(at, text->size - i, &code);
+        const char *at = text->bytes + i;
+        size_t n = haft_text_character(at, text->size - i, &code);
         if (n == 0 || code == 0) {
             return haft_error_set(error, HAFT_ERROR_INPUT,
                                   "%s:%zu:%zu: byte 0x%02x is not UTF-8 text; save the file as "
                                   "UTF-8",
-                                  file, line, column, *at);
+                                  file, line, column, (unsigned char)*at);
         }
         column = code == '\n' ? 1 : column + 1;
         line += code == '\n';
@@ -170,7 +118,7 @@ static haft_status check_events(const haft_case_text *text, const char *file, ha
 }
 
 haft_status haft_case_load(haft_case_text *out, const char *path, haft_error *error) {
-    haft_status status = load(out, path, error);
+    haft_status status = haft_file_read(&out->bytes, &out->size, path, HAFT_CASE_SIZE_LIMIT, error);
     if (status == HAFT_OK) {
         status = check_characters(out, path, error);
     }

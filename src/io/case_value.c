@@ -16,39 +16,6 @@ static void *field_of(haft_case_reader *reader, const haft_key *key) {
     return (char *)reader->c + key->offset;
 }
 
-size_t haft_case_character(const unsigned char *text, size_t size, uint32_t *code) {
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    size_t n = size == 0        ? 0
-               : text[0] < 0x80 ? 1
-               : text[0] < 0xc2 ? 0
-               : text[0] < 0xe0 ? 2
-               : text[0] < 0xf0 ? 3
-               : text[0] < 0xf5 ? 4
-                                : 0;
-    if (n == 0 || n > size) {
-        return 0;
-    }
-    uint32_t value = n == 1 ? text[0] : text[0] & (0x7fu >> n);
-    for (size_t i = 1; i < n; i++) {
-        if ((text[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-        value = value << 6 | (text[i] & 0x3fu);
-    }
-    if (value < least[n] || value > 0x10ffff || (value >= 0xd800 && value < 0xe000)) {
-        return 0;
-    }
-    *code = value;
-    return n;
-}
-
-/* May a title hold this character? Not control characters, YAML's own line breaks or the byte order
- * mark: they would not read back. */
-static bool is_printable(uint32_t code) {
-    return code >= 0x20 && !(code >= 0x7f && code < 0xa0) && code != 0x2028 && code != 0x2029 &&
-           code != 0xfeff && (code & 0xfffe) != 0xfffe;
-}
-
 static bool store_text(haft_case_reader *reader, const haft_key *key, const char *text,
                        size_t length, haft_mark mark) {
     bool name = key->type == HAFT_KEY_NAME;
@@ -65,8 +32,8 @@ static bool store_text(haft_case_reader *reader, const haft_key *key, const char
     }
     for (size_t i = 0; i < length;) {
         uint32_t code = 0;
-        size_t n = haft_case_character((const unsigned char *)text + i, length - i, &code);
-        if (n == 0 || !is_printable(code)) {
+        size_t n = haft_text_character(text + i, length - i, &code);
+        if (n == 0 || !haft_text_is_printable(code)) { /* it would not read back */
             haft_case_complain(reader, mark, key->path,
                                "holds a control character or a line break; write it on one line");
             return false;

@@ -4,47 +4,12 @@
  * touched. */
 #include "map_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const size_t FILE_MOST = (size_t)1 << 31;
-
-static haft_status load(char **bytes, size_t *size, const char *path, haft_error *error) {
-    FILE *stream = fopen(path, "rb");
-    struct stat about;
-    if (stream == NULL || fstat(fileno(stream), &about) != 0) {
-        haft_status status =
-            haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
-        if (stream != NULL) {
-            fclose(stream);
-        }
-        return status;
-    }
-    haft_status status = HAFT_OK;
-    if (!S_ISREG(about.st_mode)) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: is no file", path);
-    } else if ((size_t)about.st_size > FILE_MOST) {
-        status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: is larger than 2 GiB", path);
-    }
-    if (status == HAFT_OK) {
-        *size = (size_t)about.st_size;
-        *bytes = haft_memory_alloc(*size + 1, 1, error);
-        status = *bytes == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    }
-    if (status == HAFT_OK && fread(*bytes, 1, *size, stream) != *size) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read whole", path);
-    }
-    fclose(stream);
-    if (status != HAFT_OK) {
-        haft_memory_free(*bytes);
-        *bytes = NULL;
-    }
-    return status;
-}
 
 bool haft_map_length(double number, const char *unit, double *value) {
     /* The units database would do, but takes longer to load than most maps to read. The micro sign
@@ -209,7 +174,7 @@ haft_status haft_map_read(haft_map **out, const char *path, const haft_map_optio
     *out = NULL;
     char *bytes = NULL;
     haft_map_file file = {.path = path};
-    haft_status status = load(&bytes, &file.size, path, error);
+    haft_status status = haft_file_read(&bytes, &file.size, path, FILE_MOST, error);
     if (status == HAFT_OK) {
         file.bytes = bytes;
         if (options != NULL) {

@@ -12,7 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TOKEN_CAPACITY = 64 };
+enum {
+    TOKEN_CAPACITY = 64,
+    LINE_MOST = 1 << 22, /* bytes of a line: more than the longest row of a map needs */
+};
 static const double GRID_TOLERANCE = 0.01; /* of a step, by which a point may be off the grid */
 
 /* Numbers as they stand in the file: rows of equal length. */
@@ -22,6 +25,7 @@ typedef struct table {
     double width, height, unit; /* of the header, 0 if it has none */
     char channel[HAFT_CHANNEL_CAPACITY];
     bool titled; /* a header line was there */
+    bool roomy;  /* there is room for all rows */
 } table;
 
 static haft_status wrong(const haft_map_file *file, size_t line, const char *what, const char *text,
@@ -94,22 +98,70 @@ static haft_status read_title(table *t, const haft_map_file *file, size_t number
 
 /* ---- numbers ---- */
 
-static haft_status push(table *t, double value, size_t at, haft_error *error) {
-    if (at == t->room) {
-        size_t room = t->room == 0 ? 4096 : 2 * t->room;
-        double *more = haft_memory_alloc(room, sizeof *more, error);
-        if (more == NULL) {
-            return HAFT_ERROR_MEMORY;
-        }
-        if (at > 0) {
-            memcpy(more, t->value, at * sizeof *more);
-        }
-        haft_memory_free(t->value);
-        t->value = more;
-        t->room = room;
+static haft_status make_room(table *t, size_t room, size_t kept, haft_error *error) {
+    double *more = haft_memory_alloc(room, sizeof *more, error);
+    if (more == NULL) {
+        return HAFT_ERROR_MEMORY;
     }
-    t->value[at] = value;
+    if (kept > 0) {
+        memcpy(more, t->value, kept * sizeof *more);
+    }
+    haft_memory_free(t->value);
+    t->value = more;
+    t->room = room;
     return HAFT_OK;
+}
+
+/* Keeps a number of the first row, or of a later one if that is no longer than the first. */
+static haft_status push(table *t, double value, size_t column, haft_error *error) {
+    size_t at = t->rows * t->columns + column;
+    haft_status status = HAFT_OK;
+    if (t->rows > 0 && column >= t->columns) {
+        return HAFT_OK;
+    }
+    if (at == t->room) {
+        status = make_room(t, t->room == 0 ? 4096 : 2 * t->room, at, error);
+    }
+    if (status == HAFT_OK) {
+        t->value[at] = value;
+    }
+    return status;
+}
+
+/* Columns are points x, y, z where three stand without the size of a map. */
+static bool holds_points(const table *t, const haft_map_file *file) {
+    return t->columns == 3 && !(t->width > 0 || file->options.width > 0);
+}
+
+/* Once the first row is known: room for as many rows as there are lines left, all at once. A number
+ * and what parts it from the next take two bytes, so there can be no more than that allows. */
+static haft_status make_room_for_rest(table *t, const haft_map_file *file, const char *rest,
+                                      size_t bytes, haft_error *error) {
+    size_t lines = 2, most = t->columns + bytes / 2 + 1;
+    if (t->columns == 0) { /* separators alone */
+        return HAFT_OK;
+    }
+    for (const char *at = rest; (at = memchr(at, '\n', (size_t)(rest + bytes - at))) != NULL;
+         at++) {
+        lines++;
+    }
+    if (lines > HAFT_MAP_SIDE_MOST && !holds_points(t, file)) {
+        lines = HAFT_MAP_SIDE_MOST;
+    }
+    size_t room = lines < most / t->columns ? lines * t->columns : most;
+    return room > t->room ? make_room(t, room, t->columns, error) : HAFT_OK;
+}
+
+/* A map that is too large is refused before it is read to its end. */
+static haft_status check_sides(const table *t, const haft_map_file *file, size_t number,
+                               size_t columns, haft_error *error) {
+    bool wide = columns > HAFT_MAP_SIDE_MOST;
+    if (!wide && (t->rows < HAFT_MAP_SIDE_MOST || holds_points(t, file))) {
+        return HAFT_OK;
+    }
+    return haft_error_set(
+        error, HAFT_ERROR_INPUT, "%s:%zu: a map of more than %d %s; it needs 2 to %d pixels a side",
+        file->path, number, HAFT_MAP_SIDE_MOST, wide ? "columns" : "rows", HAFT_MAP_SIDE_MOST);
 }
 
 /* One number from a token; a comma in it is a decimal one. */
@@ -153,11 +205,13 @@ static haft_status read_row(table *t, const haft_map_file *file, size_t number, 
                              : "this is no number:",
                          at, n, error);
         }
-        haft_status status = push(t, value, t->rows * t->columns + columns, error);
+        haft_status status = check_sides(t, file, number, columns + 1, error);
+        if (status == HAFT_OK) {
+            status = push(t, value, columns++, error);
+        }
         if (status != HAFT_OK) {
             return status;
         }
-        columns++;
         at += n;
         at += *separators == ',' ? (*at == ',') : strspn(at, separators);
     }
@@ -181,6 +235,13 @@ static haft_status read_lines(table *t, const haft_map_file *file, haft_error *e
     while (at < end && status == HAFT_OK) {
         size_t n = strcspn(at, "\n");
         number++;
+        if (n > LINE_MOST) {
+            status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                    "%s:%zu: a line of %zu bytes; no row of a map is longer than "
+                                    "%d MiB",
+                                    file->path, number, n, LINE_MOST >> 20);
+            break;
+        }
         if (n + 1 > capacity) {
             haft_memory_free(line);
             capacity = 2 * n + 256;
@@ -200,6 +261,10 @@ static haft_status read_lines(table *t, const haft_map_file *file, haft_error *e
             status = read_row(t, file, number, line, error);
         }
         at += n + 1;
+        if (status == HAFT_OK && t->rows == 1 && at < end && !t->roomy) {
+            status = make_room_for_rest(t, file, at, (size_t)(end - at), error);
+            t->roomy = true;
+        }
     }
     haft_memory_free(line);
     return status;
@@ -313,8 +378,7 @@ haft_status haft_map_read_text(haft_map **out, const haft_map_file *file, haft_e
     if (status == HAFT_OK && t.rows == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: holds no numbers", file->path);
     }
-    bool sized = t.width > 0 || file->options.width > 0;
-    bool points = t.columns == 3 && !sized;
+    bool points = holds_points(&t, file);
     if (status == HAFT_OK) {
         status = points ? make_from_points(out, file, &t, error)
                         : haft_map_from_matrix(out, file, t.rows, t.columns, t.width, t.height,

@@ -31,13 +31,59 @@ void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], haft_shard shard) {
     }
 }
 
-/* Into how many shards the run of a part of this name is split; 0: it is not. */
+/* ---- names ---- */
+
+/* Passes over a number as printf() writes it, and no other. */
+static bool take_number(const char **at, size_t *value) {
+    size_t digits = strspn(*at, "0123456789");
+    bool plain = digits > 0 && digits < 19 && !(digits > 1 && **at == '0');
+    *value = plain ? strtoull(*at, NULL, 10) : 0;
+    *at += digits;
+    return plain;
+}
+
+static bool take_text(const char **at, const char *text) {
+    size_t n = strlen(text);
+    bool same = strncmp(*at, text, n) == 0;
+    *at += same ? n : 0;
+    return same;
+}
+
+static bool take_shard(const char **at, size_t *count) {
+    size_t index = 0;
+    return take_number(at, &index) && take_text(at, "of") && take_number(at, count) && index > 0 &&
+           index <= *count;
+}
+
+/* Is this the name of a part? *count is into how many shards its run is split; 0: it is not. Files
+ * of other names are not Haft's, and are left alone. */
+static bool is_part_name(const char *name, size_t *count) {
+    const char *at = name;
+    size_t rank = 0, number = 0;
+    *count = 0;
+    if (!take_text(&at, HAFT_PART_PREFIX)) {
+        return false;
+    }
+    const char *rest = at;
+    if (!(take_shard(&at, count) && take_text(&at, "-"))) {
+        *count = 0;
+        at = rest;
+    }
+    return take_number(&at, &rank) && take_text(&at, "-") && take_number(&at, &number) &&
+           *at == '\0';
+}
+
+static bool is_lock_name(const char *name) {
+    const char *at = name;
+    size_t count = 0;
+    return take_text(&at, HAFT_PARTS_LOCK) &&
+           (*at == '\0' || (take_text(&at, "-") && take_shard(&at, &count) && *at == '\0'));
+}
+
 static size_t split_of(const char *name) {
-    size_t index = 0, count = 0;
-    char end = '\0';
-    return sscanf(name, HAFT_PART_PREFIX "%zuof%zu%c", &index, &count, &end) == 3 && end == '-'
-               ? count
-               : 0;
+    size_t count = 0;
+    (void)is_part_name(name, &count);
+    return count;
 }
 
 char *haft_parts_join(const haft_parts *parts, const char *name, haft_error *error) {
@@ -68,7 +114,7 @@ static int lock_file(int *out, const char *folder, const char *path, int operati
         if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
             return errno;
         }
-        int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
         if (descriptor < 0) {
             reason = errno; /* ENOENT: the folder went away between the two */
             continue;
@@ -185,7 +231,42 @@ void haft_parts_forget(haft_parts *parts) {
 }
 
 static int is_lock(const struct dirent *entry) {
-    return strncmp(entry->d_name, HAFT_PARTS_LOCK, strlen(HAFT_PARTS_LOCK)) == 0;
+    return is_lock_name(entry->d_name);
+}
+
+static int is_part(const struct dirent *entry) {
+    size_t count = 0;
+    return is_part_name(entry->d_name, &count);
+}
+
+/* Neither a part nor a lock, nor the folder itself or the one above. */
+static int is_foreign(const struct dirent *entry) {
+    return !is_lock(entry) && !is_part(entry) && strcmp(entry->d_name, ".") != 0 &&
+           strcmp(entry->d_name, "..") != 0;
+}
+
+/* Removes the files of a folder that `which` names, then the folder if nothing is left in it. */
+static void sweep_out(const char *folder, int (*which)(const struct dirent *entry)) {
+    struct dirent **entry = NULL;
+    int n = scandir(folder, &entry, which, NULL);
+    int descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (int i = 0; i < n; i++) {
+        (void)unlinkat(descriptor, entry[i]->d_name, 0);
+        free(entry[i]);
+    }
+    free(entry);
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
+    rmdir(folder); /* fails where anything is left, as it should */
+}
+
+static int is_own(const struct dirent *entry) {
+    return is_lock(entry) || is_part(entry);
+}
+
+void haft_parts_discard(const char *folder) {
+    sweep_out(folder, is_own);
 }
 
 static void remove_lock(const haft_parts *parts, const char *name) {
@@ -194,18 +275,6 @@ static void remove_lock(const haft_parts *parts, const char *name) {
         unlink(path);
     }
     haft_memory_free(path);
-}
-
-/* Whoever has the folder alone removes all locks, those of killed shards too, and the folder. */
-static void remove_folder(const haft_parts *parts) {
-    struct dirent **entry = NULL;
-    int n = scandir(parts->folder, &entry, is_lock, NULL);
-    for (int i = 0; i < n; i++) {
-        remove_lock(parts, entry[i]->d_name);
-        free(entry[i]);
-    }
-    free(entry);
-    rmdir(parts->folder); /* fails where a part is left, as it should */
 }
 
 void haft_parts_release(haft_parts **parts) {
@@ -221,9 +290,10 @@ void haft_parts_release(haft_parts **parts) {
         close(p->shard_lock);
     }
     if (p->lock >= 0) {
-        /* the last shard to end has the folder alone, as a run always has */
+        /* The last shard to end has the folder alone, as a run always has; it removes all locks,
+         * those of killed shards too. */
         if (p->shard.count == 0 || flock(p->lock, LOCK_EX | LOCK_NB) == 0) {
-            remove_folder(p);
+            sweep_out(p->folder, is_lock);
         }
         close(p->lock);
     }
@@ -233,10 +303,6 @@ void haft_parts_release(haft_parts **parts) {
 }
 
 /* ---- the files ---- */
-
-static int is_part(const struct dirent *entry) {
-    return strncmp(entry->d_name, HAFT_PART_PREFIX, strlen(HAFT_PART_PREFIX)) == 0;
-}
 
 static haft_status read_names(haft_parts *parts, const char *prefix, haft_error *error) {
     haft_parts_forget(parts);
@@ -262,6 +328,21 @@ static haft_status read_names(haft_parts *parts, const char *prefix, haft_error 
     return status;
 }
 
+/* How many files of a folder `which` names; -1 if it cannot be read. */
+static int count(const char *folder, int (*which)(const struct dirent *entry)) {
+    struct dirent **entry = NULL;
+    int n = scandir(folder, &entry, which, NULL);
+    for (int i = 0; i < n; i++) {
+        free(entry[i]);
+    }
+    free(entry);
+    return n;
+}
+
+bool haft_parts_are_in(const char *folder) {
+    return count(folder, is_part) > 0;
+}
+
 haft_status haft_parts_list(haft_parts *parts, haft_error *error) {
     char prefix[HAFT_PART_NAME_CAPACITY];
     haft_parts_prefix(prefix, parts->shard);
@@ -285,6 +366,9 @@ haft_status haft_parts_clear(haft_parts *parts, haft_error *error) {
 }
 
 haft_status haft_parts_retire(haft_parts *parts, haft_error *error) {
+    if (count(parts->folder, is_foreign) != 0) { /* they stay where they are: the folder does */
+        return haft_parts_clear(parts, error);
+    }
     size_t capacity = strlen(parts->folder) + 64;
     char *aside = haft_memory_alloc(capacity, 1, error);
     if (aside == NULL) {

@@ -36,6 +36,10 @@ void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], haft_shard shard);
 /* Reads the names of the parts, of a shard its own. */
 haft_status haft_parts_list(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
+/* Removes the parts and locks in a folder of parts that nobody works in, and the folder itself if
+ * nothing else is in it: what is not Haft's stays. */
+void haft_parts_discard(const char *folder);
+
 /* Forgets what was listed and found. */
 void haft_parts_forget(haft_parts *parts);
 

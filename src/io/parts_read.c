@@ -4,11 +4,9 @@
 #include "parts_folder.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { BLOCK = 1 << 16, TEXT_LIMIT = 1 << 20 /* of a resolved case */ };
@@ -234,19 +232,15 @@ static haft_status scan_records(scan *s) {
 }
 
 static haft_status scan_file(scan *s) {
-    struct stat facts;
     bool usable = false;
     s->path = haft_parts_join(s->parts, s->parts->file[s->file], s->error);
     if (s->path == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    haft_status status = HAFT_OK;
-    s->descriptor = open(s->path, O_RDONLY | O_CLOEXEC);
-    if (s->descriptor < 0 || fstat(s->descriptor, &facts) != 0) {
-        status = haft_error_set(s->error, HAFT_ERROR_IO, "%s: cannot be opened: %s", s->path,
-                                strerror(errno));
-    } else {
-        s->size = (uint64_t)facts.st_size;
+    size_t size = 0;
+    haft_status status = haft_file_open(&s->descriptor, &size, s->path, s->error);
+    if (status == HAFT_OK) {
+        s->size = size;
         status = check_head(s, &usable);
     }
     if (status == HAFT_OK && usable) {
@@ -372,6 +366,35 @@ static haft_status unpack(haft_path **out, haft_summary *summary, haft_laws **la
     return status;
 }
 
+/* The bytes of an entry, which were whole when the parts were scanned. */
+static haft_status read_payload(char *payload, const char *path, const haft_parts_entry *entry,
+                                haft_error *error) {
+    char digest[HAFT_DIGEST_CAPACITY];
+    size_t size = (size_t)entry->size;
+    int descriptor = -1;
+    haft_status status = haft_file_open(&descriptor, NULL, path, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    errno = 0;
+    bool whole = read_at(descriptor, entry->offset, payload, size);
+    int reason = whole ? 0 : errno; /* 0: the file ends before */
+    close(descriptor);
+    if (reason != 0) {
+        return haft_error_set(error, HAFT_ERROR_IO, "%s: byte %llu: cannot be read: %s", path,
+                              (unsigned long long)entry->offset, strerror(reason));
+    }
+    if (whole) {
+        haft_digest_memory(payload, size, digest);
+        whole = memcmp(digest, entry->digest, sizeof entry->digest) == 0;
+    }
+    return whole ? HAFT_OK
+                 : haft_error_set(error, HAFT_ERROR_IO,
+                                  "%s: byte %llu: changed while it was being read; give `haft "
+                                  "resume`",
+                                  path, (unsigned long long)entry->offset);
+}
+
 haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **laws,
                             const haft_parts *parts, size_t realization, size_t dofs,
                             haft_error *error) {
@@ -386,23 +409,14 @@ haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **
     }
     const haft_parts_entry *entry = &parts->entry[realization];
     size_t size = (size_t)entry->size;
-    char digest[HAFT_DIGEST_CAPACITY];
     char *payload = haft_memory_alloc(size, 1, error);
     char *path = haft_parts_join(parts, parts->file[entry->file], error);
     haft_status status = payload == NULL || path == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
     if (status == HAFT_OK) {
-        int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-        bool whole = descriptor >= 0 && read_at(descriptor, entry->offset, payload, size);
-        if (whole) {
-            haft_digest_memory(payload, size, digest);
-            whole = memcmp(digest, entry->digest, sizeof entry->digest) == 0;
-        }
-        if (descriptor >= 0) {
-            close(descriptor);
-        }
-        status = whole ? unpack(out, summary, laws, payload, size, dofs, error)
-                       : haft_error_set(error, HAFT_ERROR_IO,
-                                        "changed while it was being read; give `haft resume`");
+        status = read_payload(payload, path, entry, error);
+    }
+    if (status == HAFT_OK) {
+        status = unpack(out, summary, laws, payload, size, dofs, error);
         if (status != HAFT_OK && status != HAFT_ERROR_MEMORY) {
             haft_error_prefix(error, "%s: byte %llu: ", path, (unsigned long long)entry->offset);
         }

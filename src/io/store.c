@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A temporary file in the same folder, flushed to the disk, then renamed over its goal: a reader
- * sees the old file or the new one, and a failure leaves the old. What a killed process leaves is
- * its temporary file, named PATH.tmp.PID. */
+ * sees the old file or the new one, and a failure leaves the old. Until it is whole the temporary
+ * file has no name, so that a killed process leaves nothing. Some file systems know no such files:
+ * there it is named PATH.tmp.PID from the start, which is what a killed process leaves. */
 #include "store.h"
 #include "haft/io.h"
+#include "parts_folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -15,7 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { TRIES = 100 };
+enum { TRIES = 100, FOLDER_CAPACITY = 4096, NAME_SPARE = 64 };
 
 static void release(haft_store *store) {
     haft_memory_free(store->path);
@@ -27,7 +29,7 @@ void haft_store_abandon(haft_store *store) {
     if (store->descriptor >= 0) {
         close(store->descriptor);
     }
-    if (store->temporary != NULL) {
+    if (store->named) {
         unlink(store->temporary);
     }
     release(store);
@@ -48,6 +50,11 @@ static haft_status check_goal(const haft_store *store, haft_error *error) {
         return haft_error_set(error, HAFT_ERROR_IO, "%s: is a directory; give a file's name",
                               store->path);
     }
+    if (stat(store->path, &facts) == 0 && !S_ISREG(facts.st_mode)) { /* /dev/null, say */
+        return haft_error_set(error, HAFT_ERROR_IO,
+                              "%s: is no regular file and is not replaced; give another name",
+                              store->path);
+    }
     return store->overwrite ? HAFT_OK : already_there(store->path, error);
 }
 
@@ -56,37 +63,77 @@ void haft_store_name(char *name, size_t capacity, const char *path, int number) 
              number);
 }
 
+/* The folder that a path lies in; false if its name is too long. */
+static bool folder_of(char folder[FOLDER_CAPACITY], const char *path) {
+    const char *slash = strrchr(path, '/');
+    int n = slash == NULL ? 1 : slash == path ? 1 : (int)(slash - path);
+    return snprintf(folder, FOLDER_CAPACITY, "%.*s", n, slash == NULL ? "." : path) <
+           FOLDER_CAPACITY;
+}
+
+/* By this path an open file can be given a name. */
+static void path_of_descriptor(char name[64], int descriptor) {
+    snprintf(name, 64, "/proc/self/fd/%d", descriptor);
+}
+
+/* A file without a name in the folder of `path`; -1 where there are none. */
+static int open_unnamed(const char *path) {
+    char folder[FOLDER_CAPACITY], own[64];
+    int descriptor =
+        folder_of(folder, path) ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
+    path_of_descriptor(own, descriptor);
+    if (descriptor >= 0 && access(own, F_OK) != 0) { /* it could not be named in the end */
+        close(descriptor);
+        descriptor = -1;
+    }
+    return descriptor;
+}
+
+/* Takes a name that is free, for a new file or for the one without a name. @return 0 or an errno */
+static int take_name(haft_store *store, char *temporary, size_t capacity) {
+    char own[64];
+    path_of_descriptor(own, store->descriptor);
+    bool named = false;
+    for (int i = 0; i < TRIES && !named; i++) {
+        haft_store_name(temporary, capacity, store->path, i);
+        if (store->descriptor >= 0) {
+            named = linkat(AT_FDCWD, own, AT_FDCWD, temporary, AT_SYMLINK_FOLLOW) == 0;
+        } else {
+            int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            named = descriptor >= 0;
+            store->descriptor = descriptor;
+        }
+        if (!named && errno != EEXIST) {
+            break;
+        }
+    }
+    store->named = named;
+    return named ? 0 : errno;
+}
+
 haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,
                             haft_error *error) {
     *store = (haft_store){.descriptor = -1, .overwrite = overwrite};
-    size_t length = strlen(path), capacity = length + 64;
+    size_t length = strlen(path);
     store->path = haft_memory_alloc(length + 1, 1, error);
-    char *temporary = haft_memory_alloc(capacity, 1, error);
-    if (store->path == NULL || temporary == NULL) {
-        haft_memory_free(temporary);
+    store->temporary = haft_memory_alloc(length + NAME_SPARE, 1, error);
+    if (store->path == NULL || store->temporary == NULL) {
         release(store);
         return HAFT_ERROR_MEMORY;
     }
     memcpy(store->path, path, length + 1);
     haft_status status = check_goal(store, error);
-    for (int i = 0; status == HAFT_OK && store->descriptor < 0 && i < TRIES; i++) {
-        haft_store_name(temporary, capacity, path, i);
-        store->descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (store->descriptor < 0 && errno != EEXIST) {
-            break;
+    if (status == HAFT_OK && (store->descriptor = open_unnamed(path)) < 0) {
+        int reason = take_name(store, store->temporary, length + NAME_SPARE);
+        if (reason != 0) {
+            status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be created: %s",
+                                    store->temporary, strerror(reason));
         }
     }
-    if (status == HAFT_OK && store->descriptor < 0) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be created: %s", temporary,
-                                strerror(errno));
-    }
     if (status != HAFT_OK) {
-        haft_memory_free(temporary);
         release(store);
-        return status;
     }
-    store->temporary = temporary;
-    return HAFT_OK;
+    return status;
 }
 
 haft_status haft_store_write(haft_store *store, const void *data, size_t size, haft_error *error) {
@@ -108,17 +155,9 @@ haft_status haft_store_write(haft_store *store, const void *data, size_t size, h
 
 /* Makes the new name itself last. Some file systems cannot; the data are safe then all the same. */
 static void flush_folder(const char *path) {
-    const char *slash = strrchr(path, '/');
-    char folder[4096] = ".";
-    if (slash != NULL) {
-        size_t n = slash == path ? 1 : (size_t)(slash - path);
-        if (n >= sizeof folder) {
-            return;
-        }
-        memcpy(folder, path, n);
-        folder[n] = '\0';
-    }
-    int descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    char folder[FOLDER_CAPACITY];
+    int descriptor =
+        folder_of(folder, path) ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     if (descriptor >= 0) {
         (void)fsync(descriptor);
         close(descriptor);
@@ -142,6 +181,10 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     haft_status status = HAFT_OK;
     bool failed = fsync(store->descriptor) != 0 && errno != EINVAL && errno != ENOTSUP;
     int reason = failed ? errno : 0;
+    if (!failed && !store->named) {
+        reason = take_name(store, store->temporary, strlen(store->path) + NAME_SPARE);
+        failed = reason != 0;
+    }
     if (close(store->descriptor) != 0 && !failed) {
         failed = true;
         reason = errno;
@@ -164,26 +207,21 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     return HAFT_OK;
 }
 
-/* Is this what a process that is no more left of `prefix`? */
+/* Is this what a process that is no more left of `prefix`? Its number follows, and perhaps another
+ * (haft_store_name); files of any other name are not Haft's. */
 static bool is_stale(const char *name, const char *prefix) {
-    size_t n = strlen(prefix);
-    if (strncmp(name, prefix, n) != 0 || strspn(name + n, "0123456789.") != strlen(name + n)) {
+    static const char digits[] = "0123456789";
+    size_t n = strlen(prefix), maker = strncmp(name, prefix, n) == 0 ? strspn(name + n, digits) : 0;
+    if (maker == 0 || maker > 9 || name[n] == '0') {
         return false;
     }
-    long maker = strtol(name + n, NULL, 10);
-    return maker > 0 && maker != getpid() && kill((pid_t)maker, 0) != 0 && errno == ESRCH;
-}
-
-static void remove_folder(const char *path) {
-    DIR *entries = opendir(path);
-    if (entries == NULL) {
-        return;
+    const char *rest = name + n + maker;
+    size_t second = *rest == '.' ? strspn(rest + 1, digits) : 0;
+    if (*rest != '\0' && (second == 0 || rest[1 + second] != '\0')) {
+        return false;
     }
-    for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
-        (void)unlinkat(dirfd(entries), e->d_name, 0); /* fails for . and .., as it should */
-    }
-    closedir(entries);
-    rmdir(path);
+    pid_t process = (pid_t)strtol(name + n, NULL, 10);
+    return process != getpid() && kill(process, 0) != 0 && errno == ESRCH;
 }
 
 void haft_io_drop_stale(const char *path) {
@@ -200,7 +238,7 @@ void haft_io_drop_stale(const char *path) {
         if (is_stale(e->d_name, prefix)) {
             snprintf(stale, sizeof stale, "%s/%s", folder, e->d_name);
             if (unlink(stale) != 0) {
-                remove_folder(stale);
+                haft_parts_discard(stale);
             }
         }
     }

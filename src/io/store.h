@@ -8,7 +8,7 @@
 /* A file on its way to `path`: nothing shows there before it is committed. */
 typedef struct haft_store {
     int descriptor;
-    bool overwrite;
+    bool overwrite, named; /* named: the temporary file has its name */
     char *path, *temporary;
 } haft_store;
 
@@ -16,8 +16,8 @@ typedef struct haft_store {
  * haft_io_drop_stale() knows it; it takes up to 64 characters more than the path. */
 void haft_store_name(char *name, size_t capacity, const char *path, int number);
 
-/* Makes the temporary file beside `path`, so that a folder that cannot be written is told at once.
- * Returns HAFT_ERROR_EXISTS if `path` is there and is not to be overwritten. */
+/* Makes the temporary file in the folder of `path`, so that a folder that cannot be written is told
+ * at once. Returns HAFT_ERROR_EXISTS if `path` is there and is not to be overwritten. */
 haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,
                             haft_error *error) HAFT_MUST_CHECK;
 

@@ -187,11 +187,12 @@ haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *p
     *vector = NULL;
     *m = 0;
     haft_units *units = NULL;
-    FILE *stream = fopen(path, "r");
-    if (stream == NULL) {
-        return haft_error_set(error, HAFT_ERROR_IO, "%s: %s", path, strerror(errno));
+    FILE *stream = NULL;
+    haft_status status = haft_file_stream(&stream, path, error);
+    if (status != HAFT_OK) {
+        return status;
     }
-    haft_status status = haft_units_create(&units, error);
+    status = haft_units_create(&units, error);
     if (status == HAFT_OK) {
         status = read_stream(vector, m, units, stream, path, error);
     }

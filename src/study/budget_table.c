@@ -161,10 +161,12 @@ haft_status haft_study_read_budget(haft_budget *out, const haft_case *c, const c
     char digest[HAFT_DIGEST_CAPACITY], line[LINE_CAPACITY], *field[COLUMNS];
     *out = (haft_budget){0};
     haft_status status = digest_of(digest, c, error);
-    FILE *stream = status == HAFT_OK ? fopen(path, "r") : NULL;
-    if (stream == NULL) {
-        return status != HAFT_OK ? status
-                                 : haft_error_set(error, HAFT_ERROR_IO, "%s cannot be read", path);
+    FILE *stream = NULL;
+    if (status == HAFT_OK) {
+        status = haft_file_stream(&stream, path, error);
+    }
+    if (status != HAFT_OK) {
+        return status;
     }
     bool good =
         fgets(line, sizeof line, stream) != NULL && strncmp(line, HEADER, strlen(HEADER)) == 0;

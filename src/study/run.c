@@ -179,7 +179,8 @@ static haft_status merge(run *r) {
     haft_status status = haft_results_create(&results, r->files->results, r->c, r->laws_digest,
                                              r->mode != HAFT_RUN_NEW, r->error);
     for (size_t k = 0; status == HAFT_OK && k < r->desk.end; k++) {
-        if (r->desk.done[k]) {
+        status = r->mode == HAFT_RUN_MERGE ? haft_shards_go_on(r->progress, r->error) : HAFT_OK;
+        if (status == HAFT_OK && r->desk.done[k]) {
             status = add_one(r, results, k);
         }
     }

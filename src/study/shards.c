@@ -66,3 +66,11 @@ haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
                           lacking == 1 ? "it" : "each of them", files->folder,
                           lacking == 1 ? list : "I", count, files->folder);
 }
+
+haft_status haft_shards_go_on(const haft_progress *p, haft_error *error) {
+    bool stop = p != NULL && p->stop != NULL && p->stop(p->user);
+    return stop ? haft_error_set(error, HAFT_ERROR_INTERRUPTED,
+                                 "stopped while the results were being made; the parts are all "
+                                 "there: give `haft merge` again")
+                : HAFT_OK;
+}

@@ -14,4 +14,8 @@ void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_r
 haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
                               const haft_run_files *files, haft_error *error) HAFT_MUST_CHECK;
 
+/* A merge follows no beams, which ask whether to stop, so it asks here before each that it takes.
+ */
+haft_status haft_shards_go_on(const haft_progress *progress, haft_error *error) HAFT_MUST_CHECK;
+
 #endif

@@ -12,15 +12,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIDE_MOST = 1 << 15 };
-
 haft_status haft_map_create(haft_map **out, size_t rows, size_t columns, double step_row,
                             double step_column, haft_error *error) {
     *out = NULL;
-    if (rows < 2 || columns < 2 || rows > SIDE_MOST || columns > SIDE_MOST) {
+    if (rows < 2 || columns < 2 || rows > HAFT_MAP_SIDE_MOST || columns > HAFT_MAP_SIDE_MOST) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "a map of %zu x %zu pixels; it needs 2 to %d a side", rows, columns,
-                              SIDE_MOST);
+                              HAFT_MAP_SIDE_MOST);
     }
     if (!(step_row > 0 && isfinite(step_row)) || !(step_column > 0 && isfinite(step_column))) {
         return haft_error_set(error, HAFT_ERROR_INPUT,

@@ -15,7 +15,6 @@
 
 static const double DEFAULT_TOLERANCE = 1e-5;
 static const double LEAST_TOLERANCE = 1e-9;
-static const double FINEST_RATIO = 64; /* fine steps in the PSD's shortest half wave */
 
 size_t haft_surface_lattice_ratio(const haft_psd *psd, double grid_step) {
     double ratio = M_PI / (psd->zeta_max * grid_step);
@@ -71,13 +70,13 @@ static haft_status check_grid(const haft_surface_spec *spec, haft_error *error) 
                               "grid step = %g m: must be positive and finite", spec->grid_step);
     }
     double largest = M_PI / spec->psd.zeta_max;
-    if (spec->grid_step < largest / FINEST_RATIO) {
+    if (spec->grid_step < largest / HAFT_SURFACE_FINEST) {
         return haft_error_set(
             error, HAFT_ERROR_INPUT,
             "grid step = %g nm is finer than waves up to zeta_max = %g rad/um can "
             "use; the smallest step allowed is %.5f nm",
             1e9 * spec->grid_step, 1e-6 * spec->psd.zeta_max,
-            ceil(1e14 * largest / FINEST_RATIO) / 1e5);
+            ceil(1e14 * largest / HAFT_SURFACE_FINEST) / 1e5);
     }
     if (haft_surface_lattice_ratio(&spec->psd, spec->grid_step) == 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT,

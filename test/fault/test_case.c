@@ -411,7 +411,7 @@ static void files_that_are_no_case_are_refused(void **state) {
     check_refused(path, HAFT_ERROR_IO, "No such file");
     check_refused(s.folder, HAFT_ERROR_IO, "is a directory");
     assert_int_equal(mkfifo(path, 0600), 0);
-    check_refused(path, HAFT_ERROR_IO, "no regular file");
+    check_refused(path, HAFT_ERROR_IO, "is a pipe; give a regular file");
     assert_int_equal(unlink(path), 0);
     write_file(path, "", 0);
     check_refused(path, HAFT_ERROR_INPUT, "is empty");
