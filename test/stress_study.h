@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Many random beams, each on its exact, active and fine uniform mesh: followed, checked, held
+ * against each other, and counted. */
+#ifndef HAFT_TEST_STRESS_STUDY_H
+#define HAFT_TEST_STRESS_STUDY_H
+
+#include "stress_checks.h"
+
+#include <omp.h>
+
+enum { STRESS_EXACT, STRESS_ACTIVE, STRESS_UNIFORM, STRESS_MESHES };
+enum { STRESS_STEPS = 20000, STRESS_REFUSAL = 200 };
+
+static inline const char *stress_mesh_name(int mesh) {
+    static const char *const name[STRESS_MESHES] = {"exact", "active", "uniform"};
+    return name[mesh];
+}
+
+/* Which beams: `beams` from index `first` on. */
+typedef struct stress_options {
+    uint64_t seed, first, beams;
+    size_t landings; /* compared a beam on its exact mesh */
+    bool told;       /* each beam is described */
+} stress_options;
+
+/* What came of a beam on one mesh. */
+typedef struct stress_run {
+    haft_outcome outcome;
+    size_t points, jumps;
+    double seconds, ledger_error;
+    stress_finding finding;
+} stress_run;
+
+typedef struct stress_result {
+    uint64_t index;
+    stress_family family;
+    bool refused; /* a law, the mesh or the programme was; then nothing else is known */
+    char refusal[STRESS_REFUSAL];
+    stress_run run[STRESS_MESHES];
+} stress_result;
+
+/* Outcomes that say what is the case. An active mesh may be left, and says so. */
+static inline bool stress_is_explained(haft_outcome outcome, int mesh) {
+    return outcome == HAFT_OUTCOME_STUCK || outcome == HAFT_OUTCOME_FREE ||
+           (outcome == HAFT_OUTCOME_ZONE_LEFT && mesh == STRESS_ACTIVE);
+}
+
+static inline bool stress_is_finished(const haft_path *path) {
+    return path != NULL &&
+           (path->outcome == HAFT_OUTCOME_STUCK || path->outcome == HAFT_OUTCOME_FREE);
+}
+
+/* A path with what it was followed on. */
+typedef struct stress_followed {
+    haft_model *model;
+    haft_path *path;
+    stress_oracle oracle;
+} stress_followed;
+
+/* @return false if the library refuses the mesh or the programme */
+static inline bool stress_follow(const stress_beam *b, int mesh, stress_followed *out,
+                                 stress_run *run, haft_error *error) {
+    static const haft_mesh_kind kind[STRESS_MESHES] = {HAFT_MESH_EXACT, HAFT_MESH_ACTIVE,
+                                                       HAFT_MESH_UNIFORM};
+    haft_mesh_spec spec = stress_beam_mesh(b, kind[mesh]);
+    haft_path_options options = {.keep_states = true, .step_limit = STRESS_STEPS};
+    double start = omp_get_wtime();
+    if (haft_model_create_beam(&out->model, &b->spec, &spec, error) != HAFT_OK) {
+        return false;
+    }
+    out->oracle = stress_oracle_make(b, out->model);
+    if (haft_solve_path(&out->path, out->model, b->given, &b->programme, &options, error) !=
+        HAFT_OK) {
+        return false;
+    }
+    run->outcome = out->path->outcome;
+    run->points = out->path->points;
+    run->jumps = out->path->jumps;
+    run->ledger_error = out->path->ledger_error;
+    run->seconds = omp_get_wtime() - start;
+    return true;
+}
+
+static inline void stress_followed_free(stress_followed *f) {
+    stress_oracle_free(&f->oracle);
+    haft_path_destroy(&f->path);
+    haft_model_destroy(&f->model);
+}
+
+/* ---- meshes against each other ---------------------------------------------------------------- */
+
+/* The beams are the same but for the drag: all have a node at each site, and an Euler-Bernoulli
+ * beam's displacements are exact at the nodes of Hermite elements wherever its forces act. So loads
+ * of folds differ by the solver's tolerances alone; bifurcations are told within a step of 1e-6
+ * lengths. */
+#define STRESS_FOLD_LOAD 1e-7
+#define STRESS_EDGE_LOAD 1e-5
+
+static inline size_t stress_point_of_jump(const haft_path *path, size_t jump) {
+    size_t i = 0;
+    while (i < path->points && path->point[i].jump != (int)jump) {
+        i++;
+    }
+    return i;
+}
+
+/* The farthest that two meshes' states have a site apart, in units of what may be. */
+static inline long double stress_meshes_apart(const stress_followed *a, const double *u,
+                                              const stress_followed *b, const double *v) {
+    long double most = 0, gap = a->oracle.beam->spec.gap;
+    for (size_t r = 0; r < a->oracle.beam->sites; r++) {
+        long double miss = fabsl(stress_displacement(&a->oracle.site[r], u) -
+                                 stress_displacement(&b->oracle.site[r], v));
+        long double least = STRESS_LANDED * stress_beam_law(a->oracle.beam, r)->range;
+        most = fmaxl(most, miss / fmaxl(least, 1e-9L * gap));
+    }
+    return most;
+}
+
+static inline double stress_greatest_load(const haft_path *path) {
+    double most = 0;
+    for (size_t i = 0; i < path->points; i++) {
+        most = fmax(most, fabs(path->point[i].load));
+    }
+    return most;
+}
+
+/* Holds the path on a mesh against that on the exact one, up to the first jump that differs. */
+static inline void stress_compare(const stress_followed *exact, const stress_followed *other,
+                                  stress_finding *f) {
+    const haft_path *a = exact->path, *b = other->path;
+    double most = fmax(stress_greatest_load(a), stress_greatest_load(b));
+    size_t jumps = a->jumps < b->jumps ? a->jumps : b->jumps;
+    for (size_t j = 0; j < jumps; j++) {
+        bool fold = a->jump[j].departure == HAFT_DEPARTURE_FOLD &&
+                    b->jump[j].departure == HAFT_DEPARTURE_FOLD;
+        double allowed = (fold ? STRESS_FOLD_LOAD : STRESS_EDGE_LOAD) * most;
+        double miss = a->jump[j].phase == b->jump[j].phase
+                          ? fabs(a->jump[j].load - b->jump[j].load) / allowed
+                          : INFINITY;
+        stress_note(f, STRESS_MESH_JUMPS, miss, j);
+        if (!(miss <= 1)) {
+            return;
+        }
+        const double *u = a->state + stress_point_of_jump(a, j) * exact->oracle.dofs;
+        const double *v = b->state + stress_point_of_jump(b, j) * other->oracle.dofs;
+        long double apart = stress_meshes_apart(exact, u, other, v);
+        stress_note(f, STRESS_MESH_LANDED, apart, j);
+        if (!(apart <= 1)) {
+            return;
+        }
+    }
+    if (a->jumps != b->jumps) {
+        stress_note(f, STRESS_MESH_JUMPS, INFINITY, jumps);
+        return;
+    }
+    long double apart = stress_meshes_apart(exact, a->final_state, other, b->final_state);
+    stress_note(f, STRESS_MESH_END, a->outcome == b->outcome ? apart : INFINITY, jumps);
+}
+
+/* ---- one beam ---------------------------------------------------------------------------------- */
+
+static inline void stress_check_meshes(const stress_beam *b, size_t landings,
+                                       stress_result *result, haft_error *error) {
+    stress_followed on[STRESS_MESHES] = {{0}};
+    for (int m = 0; m < STRESS_MESHES && !result->refused; m++) {
+        stress_run *run = &result->run[m];
+        result->refused = !stress_follow(b, m, &on[m], run, error);
+        if (!result->refused) {
+            stress_check_path(&on[m].oracle, on[m].model, on[m].path,
+                              m == STRESS_EXACT ? landings : 0, &run->finding);
+        }
+        if (!result->refused && m != STRESS_EXACT && stress_is_finished(on[STRESS_EXACT].path) &&
+            stress_is_finished(on[m].path)) {
+            stress_compare(&on[STRESS_EXACT], &on[m], &run->finding);
+        }
+    }
+    for (int m = 0; m < STRESS_MESHES; m++) {
+        stress_followed_free(&on[m]);
+    }
+}
+
+static inline void stress_describe(const stress_beam *b);
+
+static inline stress_result stress_beam_run(const stress_options *options, uint64_t index) {
+    haft_error *error = calloc(1, sizeof *error);
+    stress_result result = {.index = index};
+    stress_beam b;
+    result.refused = !stress_beam_draw(&b, options->seed, index, error);
+    result.family = b.family;
+    if (options->told) {
+        stress_describe(&b);
+    }
+    if (!result.refused) {
+        stress_check_meshes(&b, options->landings, &result, error);
+    }
+    snprintf(result.refusal, sizeof result.refusal, "%.*s", STRESS_REFUSAL - 1, error->message);
+    stress_beam_free(&b);
+    free(error);
+    return result;
+}
+
+static inline void stress_describe(const stress_beam *b) {
+    const haft_beam_spec *s = &b->spec;
+    print_message("  beam %llu of seed %llu: %s; length %.17g width %.17g thickness %.17g gap %.17g "
+                  "m, E %.17g Pa, %zu sites, load at %.17g m, crack to %.17g m, load to %.17g N, "
+                  "active from %.17g m\n",
+                  (unsigned long long)b->index, (unsigned long long)b->seed,
+                  stress_family_name(b->family), s->length, s->width, s->thickness, s->gap,
+                  s->young_modulus, b->sites, b->load_position, b->programme.crack_length,
+                  b->programme.load_limit, b->active_from);
+    for (size_t k = 0; k < b->laws; k++) {
+        const stress_law *l = &b->law[k];
+        if (l->points == 0) {
+            print_message("    law %zu: Morse e %.17g f_max %.17g d_max %.17g d_limit %.17g f_limit "
+                          "%.17g, range %.3g m\n",
+                          k, l->vector.e, l->vector.f_max, l->vector.d_max, l->vector.d_limit,
+                          l->f_limit, l->range);
+            continue;
+        }
+        print_message("    law %zu: table of %zu, range %.3g m:", k, l->points, l->range);
+        for (size_t i = 0; i < l->points && l->points < 40; i++) {
+            print_message(" (%.17g, %.17g)", l->x[i], l->f[i]);
+        }
+        print_message("\n");
+    }
+}
+
+#endif
