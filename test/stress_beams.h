@@ -8,26 +8,26 @@
 #include "stress_curves.h"
 
 typedef enum stress_family {
-    STRESS_MEASURED,  /* laws that scatter as measured ones do */
-    STRESS_WIDE,      /* Morse laws over decades, each site its own */
-    STRESS_FAR,       /* the gap is 1e4 to 1e6 ranges */
-    STRESS_FELT,      /* laws are felt at rest */
-    STRESS_TABLES,    /* tables of one shape */
-    STRESS_PUSHING,   /* tables whose outermost part pushes */
-    STRESS_STRAIGHT,  /* linear laws and thin walls */
-    STRESS_ALIKE,     /* one law at all sites, which are few */
-    STRESS_DECADES,   /* all shapes in one beam, six decades of force */
-    STRESS_APART,     /* out of reach altogether */
-    STRESS_BESIDE,    /* the load almost on a site */
-    STRESS_CANCELS,   /* tables whose wall holds nearly all of the energy */
+    STRESS_MEASURED, /* laws that scatter as measured ones do */
+    STRESS_WIDE,     /* Morse laws over decades, each site its own */
+    STRESS_FAR,      /* the gap is 1e4 to 1e6 ranges */
+    STRESS_FELT,     /* laws are felt at rest */
+    STRESS_TABLES,   /* tables of one shape */
+    STRESS_PUSHING,  /* tables whose outermost part pushes */
+    STRESS_STRAIGHT, /* linear laws and thin walls */
+    STRESS_ALIKE,    /* one law at all sites, which are few */
+    STRESS_DECADES,  /* all shapes in one beam, six decades of force */
+    STRESS_APART,    /* out of reach altogether */
+    STRESS_BESIDE,   /* the load almost on a site */
+    STRESS_CANCELS,  /* tables whose wall holds nearly all of the energy */
     STRESS_FAMILIES
 } stress_family;
 
 static inline const char *stress_family_name(stress_family family) {
     static const char *const name[STRESS_FAMILIES] = {
-        "measured",      "wide Morse", "far gap",     "felt at rest", "tables", "pushes last",
-        "straight laws", "alike",      "six decades", "out of reach", "load beside a site",
-        "great walls"};
+        "measured",           "wide Morse",    "far gap", "felt at rest", "tables",
+        "pushes last",        "straight laws", "alike",   "six decades",  "out of reach",
+        "load beside a site", "great walls"};
     return name[family];
 }
 
@@ -62,8 +62,8 @@ static inline haft_mesh_spec stress_beam_mesh(const stress_beam *b, haft_mesh_ki
 
 static inline void stress_draw_shape(stress_beam *b, stress_stream *s) {
     double length = stress_decades(s, 20e-6, 2e-3);
-    double gap = b->family == STRESS_FAR       ? stress_decades(s, 3e-6, 20e-6)
-                 : b->family == STRESS_FELT    ? stress_decades(s, 20e-9, 1e-6)
+    double gap = b->family == STRESS_FAR    ? stress_decades(s, 3e-6, 20e-6)
+                 : b->family == STRESS_FELT ? stress_decades(s, 20e-9, 1e-6)
                  : b->family == STRESS_APART && stress_chance(s, 0.3)
                      ? stress_decades(s, 1e-4, 1)
                      : stress_decades(s, 20e-9, 20e-6);
@@ -107,8 +107,9 @@ static inline void stress_draw_programme(stress_beam *b, stress_stream *s) {
     if (stress_chance(s, 0.7) && b->load_position < 0.9 * length) {
         crack = stress_between(s, b->load_position, length);
     }
-    double most = stress_touching_load(b) *
-                  (b->family == STRESS_APART ? stress_decades(s, 0.01, 0.3) : stress_decades(s, 1, 300));
+    double most =
+        stress_touching_load(b) *
+        (b->family == STRESS_APART ? stress_decades(s, 0.01, 0.3) : stress_decades(s, 1, 300));
     bool limited = b->family == STRESS_APART || stress_chance(s, 0.6);
     b->programme = (haft_programme){crack, 0.01, limited ? most : INFINITY};
     if (limited && stress_chance(s, 0.2)) {
@@ -191,8 +192,9 @@ static inline bool stress_draw_laws(stress_beam *b, stress_stream *s, haft_error
         stress_shape shape = mixed ? (stress_shape)stress_pick(s, STRESS_SHAPES) : b->shape;
         stress_scale own = alike ? scale : stress_scatter(s, scale, force, length);
         if (b->family == STRESS_MEASURED) {
-            own = (stress_scale){1e6 * stress_decades(s, 0.5, 2), 2e-9 * stress_decades(s, 0.7, 1.4),
-                                 11e-9 + stress_between(s, -1e-9, 1e-9), b->spec.gap};
+            own =
+                (stress_scale){1e6 * stress_decades(s, 0.5, 2), 2e-9 * stress_decades(s, 0.7, 1.4),
+                               11e-9 + stress_between(s, -1e-9, 1e-9), b->spec.gap};
         }
         if (!stress_law_draw(&b->law[k], s, shape, own, error)) {
             return false;

@@ -42,22 +42,22 @@ typedef struct stress_scale {
 
 typedef enum stress_shape {
     STRESS_MORSE,
-    STRESS_THIN_WALL,   /* Morse with a wall of 1e-9 to 1e-12 m */
-    STRESS_KINKS,       /* a few points anywhere */
-    STRESS_PLATEAUS,    /* stretches of one force */
-    STRESS_WELLS,       /* several wells with barriers between them */
-    STRESS_PUSH_LAST,   /* the outermost part pushes */
-    STRESS_PUSH_ALONE,  /* never pulls */
-    STRESS_LINEAR,      /* straight pieces */
-    STRESS_FINE,        /* a Morse law sampled at many points */
-    STRESS_GREAT_WALL,  /* a fine table whose wall holds all but a billionth of the energy */
+    STRESS_THIN_WALL,  /* Morse with a wall of 1e-9 to 1e-12 m */
+    STRESS_KINKS,      /* a few points anywhere */
+    STRESS_PLATEAUS,   /* stretches of one force */
+    STRESS_WELLS,      /* several wells with barriers between them */
+    STRESS_PUSH_LAST,  /* the outermost part pushes */
+    STRESS_PUSH_ALONE, /* never pulls */
+    STRESS_LINEAR,     /* straight pieces */
+    STRESS_FINE,       /* a Morse law sampled at many points */
+    STRESS_GREAT_WALL, /* a fine table whose wall holds all but a billionth of the energy */
     STRESS_SHAPES
 } stress_shape;
 
 static inline const char *stress_shape_name(stress_shape shape) {
-    static const char *const name[STRESS_SHAPES] = {
-        "Morse",      "thin wall",  "kinks",  "plateaus", "wells",
-        "push last",  "push alone", "linear", "fine",     "great wall"};
+    static const char *const name[STRESS_SHAPES] = {"Morse", "thin wall", "kinks",      "plateaus",
+                                                    "wells", "push last", "push alone", "linear",
+                                                    "fine",  "great wall"};
     return name[shape];
 }
 

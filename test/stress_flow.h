@@ -12,6 +12,8 @@
 #include <sunlinsol/sunlinsol_band.h>
 #include <sunmatrix/sunmatrix_band.h>
 
+enum { STRESS_FLOW_STEPS = 5000 }; /* between two looks */
+
 typedef struct stress_flow {
     stress_oracle *oracle;
     const haft_model *model; /* of its M alone */
@@ -87,8 +89,10 @@ static inline void stress_flow_speed(stress_flow *f, N_Vector u, N_Vector speed,
     SUNLinSolSolve(solver, matrix, speed, work, 0);
 }
 
-/* Whether Newton leads from u to a stable equilibrium nearby; then it is in `rest`. */
-static inline bool stress_flow_rests(stress_flow *f, const double *u, double *rest) {
+/* Whether Newton leads from u to a stable equilibrium, no step going `most` lengths or more; then
+ * it is in `rest`. */
+static inline bool stress_flow_rests(stress_flow *f, const double *u, double *rest,
+                                     long double most) {
     enum { SWEEPS = 12 };
     stress_oracle *o = f->oracle;
     memcpy(rest, u, o->dofs * sizeof *rest);
@@ -97,8 +101,9 @@ static inline bool stress_flow_rests(stress_flow *f, const double *u, double *re
         if (stress_factorize(o, 0) > 0) {
             return false;
         }
-        long double move = stress_newton(o);
-        if (!(move < 0.01L)) {
+        stress_newton(o);
+        long double move = stress_step_size(o, rest);
+        if (!(move < most)) {
             return false;
         }
         for (size_t k = 0; k < o->dofs; k++) {
@@ -142,7 +147,7 @@ static inline bool stress_ida_start(stress_ida *s, stress_flow *f, double *u) {
            IDASetUserData(s->ida, f) == IDA_SUCCESS &&
            IDASetLinearSolver(s->ida, s->solver, s->matrix) == IDA_SUCCESS &&
            IDASetJacFn(s->ida, stress_flow_jacobian) == IDA_SUCCESS &&
-           IDASetMaxNumSteps(s->ida, 20000) == IDA_SUCCESS;
+           IDASetMaxNumSteps(s->ida, STRESS_FLOW_STEPS) == IDA_SUCCESS;
 }
 
 static inline void stress_ida_end(stress_ida *s) {
@@ -155,19 +160,22 @@ static inline void stress_ida_end(stress_ida *s) {
     SUNContext_Free(&s->context);
 }
 
-/* Lets u, which is overwritten, flow at a load [N] to `rest`. @return false if IDA gives up. */
-static inline bool stress_flow_run(stress_oracle *o, const haft_model *m, double load, double *u,
-                                   double *rest) {
+/* Lets u, which is overwritten, flow at a load [N], and takes where it rests to another load nearby
+ * by Newton, into `rest`. @return false if IDA or Newton gives up. */
+static inline bool stress_flow_run(stress_oracle *o, const haft_model *m, double load, double to,
+                                   double *u, double *rest) {
     stress_flow flow = {o, m, load};
     stress_ida s = {0};
     bool going = stress_ida_start(&s, &flow, u), rests = false;
     double time = 0;
     for (double end = 1e-3; going && !rests && end < 1e9; end *= 3) {
         going = IDASolve(s.ida, end, &time, s.y, s.speed, IDA_NORMAL) >= 0;
-        rests = going && stress_flow_rests(&flow, u, rest);
+        rests = going && stress_flow_rests(&flow, u, rest, 0.01L);
     }
     stress_ida_end(&s);
-    return rests;
+    memcpy(u, rest, o->dofs * sizeof *u);
+    flow.load = to;
+    return rests && stress_flow_rests(&flow, u, rest, 1);
 }
 
 #endif

@@ -18,8 +18,8 @@ typedef struct stress_law {
     double *x, *f;
     long double (*piece)[5]; /* cubic and the potential at the piece's left end */
     haft_law_table *table;
-    haft_law law; /* the library's */
-    double range; /* the library's, for tolerances alone */
+    haft_law law;        /* the library's */
+    double range, reach; /* the library's, for tolerances alone: a thousandth of the pull is felt */
 } stress_law;
 
 typedef struct stress_value {
@@ -74,7 +74,8 @@ static inline stress_value stress_law_value(const stress_law *l, long double d) 
                     : stress_morse_wings(l, d);
 }
 
-/* ---- the table's cubics ----------------------------------------------------------------------- */
+/* ---- the table's cubics -----------------------------------------------------------------------
+ */
 
 static inline double stress_secant(const stress_law *l, size_t i) {
     double next = i + 2 == l->points ? 0 : l->f[i + 1]; /* the last point counts as 0 */
@@ -130,7 +131,8 @@ static inline void stress_law_cut(stress_law *l) {
     }
 }
 
-/* ---- making them ------------------------------------------------------------------------------ */
+/* ---- making them ------------------------------------------------------------------------------
+ */
 
 /* A Morse law of two exponents [1/m], its wall where the push is `limit` times the pull.
  * @return false if the library refuses it. */
@@ -143,6 +145,7 @@ static inline bool stress_law_morse(stress_law *l, double f_max, double d_max, d
         return false;
     }
     l->range = haft_law_range(&l->law);
+    l->reach = haft_law_reach(&l->law, 1e-3);
     return true;
 }
 
@@ -160,6 +163,7 @@ static inline bool stress_law_table(stress_law *l, size_t n, const double *x, co
     stress_law_cut(l);
     l->law = haft_law_from_table(l->table);
     l->range = haft_law_range(&l->law);
+    l->reach = haft_law_reach(&l->law, 1e-3);
     return true;
 }
 

@@ -27,8 +27,8 @@ static inline void stress_tally(stress_count *c, uint64_t index, long double siz
 }
 
 static inline void stress_print_count(const char *what, const char *where, const stress_count *c) {
-    print_message("    %-28s %-8s %6zu beams; worst %.2Le of its bound at %llu; first:", what, where,
-                  c->beams, c->worst, (unsigned long long)c->worst_index);
+    print_message("    %-28s %-8s %6zu beams; worst %.2Le of its bound at %llu; first:", what,
+                  where, c->beams, c->worst, (unsigned long long)c->worst_index);
     for (size_t k = 0; k < c->beams && k < STRESS_FIRSTS; k++) {
         print_message(" %llu", (unsigned long long)c->first[k]);
     }
@@ -42,7 +42,7 @@ static inline size_t stress_print_outcomes(const stress_result *result, size_t b
         stress_count c = {0};
         size_t by_family[STRESS_FAMILIES] = {0};
         for (size_t i = 0; i < beams; i++) {
-            if (!result[i].refused && result[i].run[mesh].outcome == (haft_outcome)o) {
+            if (!result[i].run[mesh].refused && result[i].run[mesh].outcome == (haft_outcome)o) {
                 stress_tally(&c, result[i].index, 0);
                 by_family[result[i].family]++;
             }
@@ -76,7 +76,7 @@ static inline size_t stress_print_faults(const stress_result *result, size_t bea
         stress_count c = {0};
         for (size_t i = 0; i < beams; i++) {
             long double worst = result[i].run[mesh].finding.worst[k];
-            if (!result[i].refused && worst > 1) {
+            if (!result[i].run[mesh].refused && worst > 1) {
                 stress_tally(&c, result[i].index, worst);
             }
         }
@@ -88,19 +88,26 @@ static inline size_t stress_print_faults(const stress_result *result, size_t bea
     return faults;
 }
 
-static inline size_t stress_print_refusals(const stress_result *result, size_t beams) {
-    size_t refused = 0;
+/* Beams that the library refused, with the first message. @return how many, meshes counted */
+static inline size_t stress_print_refusals(const stress_result *result, size_t beams, int mesh) {
+    stress_count c = {0};
+    const char *why = "";
     for (size_t i = 0; i < beams; i++) {
-        if (result[i].refused && refused++ < 5) {
-            print_message("    refused: beam %llu: %s\n", (unsigned long long)result[i].index,
-                          result[i].refusal);
+        if (result[i].run[mesh].refused) {
+            why = c.beams == 0 ? result[i].run[mesh].refusal : why;
+            stress_tally(&c, result[i].index, 0);
         }
     }
-    return refused;
+    if (c.beams > 0) {
+        stress_print_count("refused", stress_mesh_name(mesh), &c);
+        print_message("      %s\n", why);
+    }
+    return c.beams;
 }
 
 static inline void stress_print_work(const stress_result *result, size_t beams) {
-    size_t points = 0, jumps = 0, landings = 0, lost = 0, starts = 0, lost_starts = 0, slow = 0;
+    size_t points = 0, jumps = 0, landings = 0, lost = 0, starts = 0, lost_starts = 0, slow = 0,
+           dragged = 0;
     double slowest = 0;
     for (size_t i = 0; i < beams; i++) {
         for (int m = 0; m < STRESS_MESHES; m++) {
@@ -109,6 +116,7 @@ static inline void stress_print_work(const stress_result *result, size_t beams) 
             jumps += run->jumps;
             landings += run->finding.landings;
             lost += run->finding.lost_landings;
+            dragged += run->finding.dragged;
             starts += run->finding.start_felt;
             lost_starts += run->finding.start_lost;
             slow = run->seconds > slowest ? i : slow;
@@ -116,15 +124,21 @@ static inline void stress_print_work(const stress_result *result, size_t beams) 
         }
     }
     print_message("  %zu states, %zu jumps, %zu landings compared (%zu lost by the oracle), %zu "
-                  "starts (%zu lost); slowest path %.1f s: %llu\n",
-                  points, jumps, landings, lost, starts, lost_starts, slowest,
+                  "starts (%zu lost); %zu landings differ by the mesh's drag; slowest path %.1f s: "
+                  "%llu\n",
+                  points, jumps, landings, lost, starts, lost_starts, dragged, slowest,
                   (unsigned long long)result[slow].index);
 }
 
 /* What one beam came to, on all meshes. */
 static inline void stress_print_beam(const stress_result *r) {
-    for (int m = 0; m < STRESS_MESHES && !r->refused; m++) {
+    for (int m = 0; m < STRESS_MESHES; m++) {
         const stress_run *run = &r->run[m];
+        if (run->refused) {
+            print_message("  %llu %s refused: %s\n", (unsigned long long)r->index,
+                          stress_mesh_name(m), run->refusal);
+            continue;
+        }
         print_message("  %llu %s: %s, %zu points, %zu jumps, ledger %.1e, %.3f s\n",
                       (unsigned long long)r->index, stress_mesh_name(m),
                       haft_outcome_name(run->outcome), run->points, run->jumps, run->ledger_error,
@@ -155,8 +169,8 @@ static inline size_t stress_study_run(const stress_options *options) {
     print_message("  %zu beams of seed %llu from %llu on\n", beams,
                   (unsigned long long)options->seed, (unsigned long long)options->first);
     stress_print_work(result, beams);
-    wrong += stress_print_refusals(result, beams);
     for (int m = 0; m < STRESS_MESHES; m++) {
+        wrong += stress_print_refusals(result, beams, m);
         wrong += stress_print_outcomes(result, beams, m);
     }
     for (int m = 0; m < STRESS_MESHES; m++) {

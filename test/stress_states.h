@@ -25,10 +25,10 @@ typedef struct stress_oracle {
     long double (*hessian)[STRESS_BAND]; /* [i][k] couples i and i + k */
     long double (*factor)[STRESS_BAND];
     /* of the state last evaluated */
-    long double largest;           /* force: load, site, shear, moment over element [N] */
-    long double floor;             /* what rounding of u makes of a force [N] */
-    long double strain, contact;   /* energies [J] */
-    long double rounding;          /* what rounding of u makes of them [J] */
+    long double largest;         /* force: load, site, shear, moment over element [N] */
+    long double floor;           /* what rounding of u makes of a force [N] */
+    long double strain, contact; /* energies [J] */
+    long double rounding;        /* what rounding of u makes of them [J] */
 } stress_oracle;
 
 /* Unknown k of element e, -1 where clamped. */
@@ -221,9 +221,8 @@ static inline size_t stress_factorize(stress_oracle *o, long double shift) {
     return bad;
 }
 
-/* Puts Newton's step from the state last evaluated and factorized into o->step. @return the
- * farthest that it moves a site, in ranges of its law */
-static inline long double stress_newton(stress_oracle *o) {
+/* Puts Newton's step from the state last evaluated and factorized into o->step. */
+static inline void stress_newton(stress_oracle *o) {
     size_t n = o->dofs;
     for (size_t i = 0; i < n; i++) {
         o->step[i] = -o->gradient[i];
@@ -237,14 +236,20 @@ static inline long double stress_newton(stress_oracle *o) {
             o->step[i] -= o->factor[i][k] * o->step[i + k];
         }
     }
+}
+
+/* The farthest that o->step moves a site from u, in the length over which its force changes: its
+ * range, and as much more as it is out of reach. */
+static inline long double stress_step_size(const stress_oracle *o, const double *u) {
     long double most = 0;
     for (size_t r = 0; r < o->beam->sites; r++) {
-        long double w = 0;
+        const stress_law *law = stress_beam_law(o->beam, r);
+        long double w = 0, beyond = stress_gap(o, r, u) - law->reach;
         for (int k = 0; k < 4; k++) {
             long i = stress_dof(o->site[r].element, k);
             w += i < 0 ? 0 : o->site[r].shape[k] * o->step[i];
         }
-        most = fmaxl(most, fabsl(w) / stress_beam_law(o->beam, r)->range);
+        most = fmaxl(most, fabsl(w) / (law->range + fmaxl(beyond, 0)));
     }
     return most;
 }

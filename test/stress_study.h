@@ -25,6 +25,8 @@ typedef struct stress_options {
 
 /* What came of a beam on one mesh. */
 typedef struct stress_run {
+    bool refused; /* the mesh or the programme was; then nothing else is known */
+    char refusal[STRESS_REFUSAL];
     haft_outcome outcome;
     size_t points, jumps;
     double seconds, ledger_error;
@@ -34,8 +36,6 @@ typedef struct stress_run {
 typedef struct stress_result {
     uint64_t index;
     stress_family family;
-    bool refused; /* a law, the mesh or the programme was; then nothing else is known */
-    char refusal[STRESS_REFUSAL];
     stress_run run[STRESS_MESHES];
 } stress_result;
 
@@ -57,28 +57,32 @@ typedef struct stress_followed {
     stress_oracle oracle;
 } stress_followed;
 
-/* @return false if the library refuses the mesh or the programme */
-static inline bool stress_follow(const stress_beam *b, int mesh, stress_followed *out,
-                                 stress_run *run, haft_error *error) {
+/* Follows a beam on a mesh; run->refused if the library refuses that. */
+static inline void stress_follow(const stress_beam *b, int mesh, stress_followed *out,
+                                 stress_run *run) {
     static const haft_mesh_kind kind[STRESS_MESHES] = {HAFT_MESH_EXACT, HAFT_MESH_ACTIVE,
                                                        HAFT_MESH_UNIFORM};
     haft_mesh_spec spec = stress_beam_mesh(b, kind[mesh]);
     haft_path_options options = {.keep_states = true, .step_limit = STRESS_STEPS};
+    haft_error *error = calloc(1, sizeof *error);
     double start = omp_get_wtime();
-    if (haft_model_create_beam(&out->model, &b->spec, &spec, error) != HAFT_OK) {
-        return false;
+    if (haft_model_create_beam(&out->model, &b->spec, &spec, error) == HAFT_OK) {
+        out->oracle = stress_oracle_make(b, out->model);
+        haft_status status =
+            haft_solve_path(&out->path, out->model, b->given, &b->programme, &options, error);
+        run->refused = status != HAFT_OK;
+    } else {
+        run->refused = true;
     }
-    out->oracle = stress_oracle_make(b, out->model);
-    if (haft_solve_path(&out->path, out->model, b->given, &b->programme, &options, error) !=
-        HAFT_OK) {
-        return false;
-    }
-    run->outcome = out->path->outcome;
-    run->points = out->path->points;
-    run->jumps = out->path->jumps;
-    run->ledger_error = out->path->ledger_error;
     run->seconds = omp_get_wtime() - start;
-    return true;
+    snprintf(run->refusal, sizeof run->refusal, "%.*s", STRESS_REFUSAL - 1, error->message);
+    free(error);
+    if (!run->refused) {
+        run->outcome = out->path->outcome;
+        run->points = out->path->points;
+        run->jumps = out->path->jumps;
+        run->ledger_error = out->path->ledger_error;
+    }
 }
 
 static inline void stress_followed_free(stress_followed *f) {
@@ -87,7 +91,8 @@ static inline void stress_followed_free(stress_followed *f) {
     haft_model_destroy(&f->model);
 }
 
-/* ---- meshes against each other ---------------------------------------------------------------- */
+/* ---- meshes against each other ----------------------------------------------------------------
+ */
 
 /* The beams are the same but for the drag: all have a node at each site, and an Euler-Bernoulli
  * beam's displacements are exact at the nodes of Hermite elements wherever its forces act. So loads
@@ -105,16 +110,43 @@ static inline size_t stress_point_of_jump(const haft_path *path, size_t jump) {
 }
 
 /* The farthest that two meshes' states have a site apart, in units of what may be. */
-static inline long double stress_meshes_apart(const stress_followed *a, const double *u,
-                                              const stress_followed *b, const double *v) {
-    long double most = 0, gap = a->oracle.beam->spec.gap;
-    for (size_t r = 0; r < a->oracle.beam->sites; r++) {
-        long double miss = fabsl(stress_displacement(&a->oracle.site[r], u) -
-                                 stress_displacement(&b->oracle.site[r], v));
-        long double least = STRESS_LANDED * stress_beam_law(a->oracle.beam, r)->range;
+static inline long double stress_meshes_apart(const stress_oracle *a, const double *u,
+                                              const stress_oracle *b, const double *v) {
+    long double most = 0, gap = a->beam->spec.gap;
+    for (size_t r = 0; r < a->beam->sites; r++) {
+        long double miss =
+            fabsl(stress_displacement(&a->site[r], u) - stress_displacement(&b->site[r], v));
+        long double least = STRESS_LANDED * stress_beam_law(a->beam, r)->range;
         most = fmaxl(most, miss / fmaxl(least, 1e-9L * gap));
     }
     return most;
+}
+
+/* The same of the states that jump j landed in, at the one's load. */
+static inline long double stress_landings_apart(stress_followed *a, stress_followed *b, size_t j) {
+    const double *u = a->path->state + stress_point_of_jump(a->path, j) * a->oracle.dofs;
+    const double *v = b->path->state + stress_point_of_jump(b->path, j) * b->oracle.dofs;
+    stress_flow flow = {&b->oracle, b->model, a->path->jump[j].load};
+    double *moved = malloc(b->oracle.dofs * sizeof *moved);
+    bool rests = stress_flow_rests(&flow, v, moved, 1);
+    long double apart = stress_meshes_apart(&a->oracle, u, &b->oracle, rests ? moved : v);
+    free(moved);
+    return apart;
+}
+
+/* Whether the flow on either mesh leads where its jump j landed: then their drag makes the
+ * difference. */
+static inline bool stress_is_dragged(stress_followed *on[2], size_t j) {
+    stress_finding ignored = {0};
+    for (int k = 0; k < 2; k++) {
+        const haft_path *path = on[k]->path;
+        if (path->jump[j].departure != HAFT_DEPARTURE_FOLD ||
+            !stress_check_landing(&on[k]->oracle, on[k]->model, path, stress_point_of_jump(path, j),
+                                  &ignored)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 static inline double stress_greatest_load(const haft_path *path) {
@@ -125,26 +157,32 @@ static inline double stress_greatest_load(const haft_path *path) {
     return most;
 }
 
+/* What the loads of a jump differ by, in units of what may be. */
+static inline double stress_loads_apart(const haft_path *a, const haft_path *b, size_t j,
+                                        double most) {
+    const haft_jump *x = &a->jump[j], *y = &b->jump[j];
+    bool fold = x->departure == HAFT_DEPARTURE_FOLD && y->departure == HAFT_DEPARTURE_FOLD;
+    double allowed = (fold ? STRESS_FOLD_LOAD : STRESS_EDGE_LOAD) * most;
+    return x->phase == y->phase ? fabs(x->load - y->load) / allowed : INFINITY;
+}
+
 /* Holds the path on a mesh against that on the exact one, up to the first jump that differs. */
-static inline void stress_compare(const stress_followed *exact, const stress_followed *other,
+static inline void stress_compare(stress_followed *exact, stress_followed *other,
                                   stress_finding *f) {
     const haft_path *a = exact->path, *b = other->path;
     double most = fmax(stress_greatest_load(a), stress_greatest_load(b));
     size_t jumps = a->jumps < b->jumps ? a->jumps : b->jumps;
     for (size_t j = 0; j < jumps; j++) {
-        bool fold = a->jump[j].departure == HAFT_DEPARTURE_FOLD &&
-                    b->jump[j].departure == HAFT_DEPARTURE_FOLD;
-        double allowed = (fold ? STRESS_FOLD_LOAD : STRESS_EDGE_LOAD) * most;
-        double miss = a->jump[j].phase == b->jump[j].phase
-                          ? fabs(a->jump[j].load - b->jump[j].load) / allowed
-                          : INFINITY;
+        double miss = stress_loads_apart(a, b, j, most);
         stress_note(f, STRESS_MESH_JUMPS, miss, j);
         if (!(miss <= 1)) {
             return;
         }
-        const double *u = a->state + stress_point_of_jump(a, j) * exact->oracle.dofs;
-        const double *v = b->state + stress_point_of_jump(b, j) * other->oracle.dofs;
-        long double apart = stress_meshes_apart(exact, u, other, v);
+        long double apart = stress_landings_apart(exact, other, j);
+        if (!(apart <= 1) && stress_is_dragged((stress_followed *[2]){exact, other}, j)) {
+            f->dragged++;
+            return;
+        }
         stress_note(f, STRESS_MESH_LANDED, apart, j);
         if (!(apart <= 1)) {
             return;
@@ -154,23 +192,25 @@ static inline void stress_compare(const stress_followed *exact, const stress_fol
         stress_note(f, STRESS_MESH_JUMPS, INFINITY, jumps);
         return;
     }
-    long double apart = stress_meshes_apart(exact, a->final_state, other, b->final_state);
+    long double apart =
+        stress_meshes_apart(&exact->oracle, a->final_state, &other->oracle, b->final_state);
     stress_note(f, STRESS_MESH_END, a->outcome == b->outcome ? apart : INFINITY, jumps);
 }
 
-/* ---- one beam ---------------------------------------------------------------------------------- */
+/* ---- one beam ----------------------------------------------------------------------------------
+ */
 
 static inline void stress_check_meshes(const stress_beam *b, size_t landings,
-                                       stress_result *result, haft_error *error) {
+                                       stress_result *result) {
     stress_followed on[STRESS_MESHES] = {{0}};
-    for (int m = 0; m < STRESS_MESHES && !result->refused; m++) {
+    for (int m = 0; m < STRESS_MESHES; m++) {
         stress_run *run = &result->run[m];
-        result->refused = !stress_follow(b, m, &on[m], run, error);
-        if (!result->refused) {
+        stress_follow(b, m, &on[m], run);
+        if (!run->refused) {
             stress_check_path(&on[m].oracle, on[m].model, on[m].path,
                               m == STRESS_EXACT ? landings : 0, &run->finding);
         }
-        if (!result->refused && m != STRESS_EXACT && stress_is_finished(on[STRESS_EXACT].path) &&
+        if (m != STRESS_EXACT && stress_is_finished(on[STRESS_EXACT].path) &&
             stress_is_finished(on[m].path)) {
             stress_compare(&on[STRESS_EXACT], &on[m], &run->finding);
         }
@@ -186,15 +226,18 @@ static inline stress_result stress_beam_run(const stress_options *options, uint6
     haft_error *error = calloc(1, sizeof *error);
     stress_result result = {.index = index};
     stress_beam b;
-    result.refused = !stress_beam_draw(&b, options->seed, index, error);
+    bool drawn = stress_beam_draw(&b, options->seed, index, error);
     result.family = b.family;
     if (options->told) {
         stress_describe(&b);
     }
-    if (!result.refused) {
-        stress_check_meshes(&b, options->landings, &result, error);
+    for (int m = 0; m < STRESS_MESHES && !drawn; m++) {
+        result.run[m].refused = true;
+        snprintf(result.run[m].refusal, STRESS_REFUSAL, "%.*s", STRESS_REFUSAL - 1, error->message);
     }
-    snprintf(result.refusal, sizeof result.refusal, "%.*s", STRESS_REFUSAL - 1, error->message);
+    if (drawn) {
+        stress_check_meshes(&b, options->landings, &result);
+    }
     stress_beam_free(&b);
     free(error);
     return result;
@@ -202,20 +245,21 @@ static inline stress_result stress_beam_run(const stress_options *options, uint6
 
 static inline void stress_describe(const stress_beam *b) {
     const haft_beam_spec *s = &b->spec;
-    print_message("  beam %llu of seed %llu: %s; length %.17g width %.17g thickness %.17g gap %.17g "
-                  "m, E %.17g Pa, %zu sites, load at %.17g m, crack to %.17g m, load to %.17g N, "
-                  "active from %.17g m\n",
-                  (unsigned long long)b->index, (unsigned long long)b->seed,
-                  stress_family_name(b->family), s->length, s->width, s->thickness, s->gap,
-                  s->young_modulus, b->sites, b->load_position, b->programme.crack_length,
-                  b->programme.load_limit, b->active_from);
+    print_message(
+        "  beam %llu of seed %llu: %s; length %.17g width %.17g thickness %.17g gap %.17g "
+        "m, E %.17g Pa, %zu sites, load at %.17g m, crack to %.17g m, load to %.17g N, "
+        "active from %.17g m\n",
+        (unsigned long long)b->index, (unsigned long long)b->seed, stress_family_name(b->family),
+        s->length, s->width, s->thickness, s->gap, s->young_modulus, b->sites, b->load_position,
+        b->programme.crack_length, b->programme.load_limit, b->active_from);
     for (size_t k = 0; k < b->laws; k++) {
         const stress_law *l = &b->law[k];
         if (l->points == 0) {
-            print_message("    law %zu: Morse e %.17g f_max %.17g d_max %.17g d_limit %.17g f_limit "
-                          "%.17g, range %.3g m\n",
-                          k, l->vector.e, l->vector.f_max, l->vector.d_max, l->vector.d_limit,
-                          l->f_limit, l->range);
+            print_message(
+                "    law %zu: Morse e %.17g f_max %.17g d_max %.17g d_limit %.17g f_limit "
+                "%.17g, range %.3g m\n",
+                k, l->vector.e, l->vector.f_max, l->vector.d_max, l->vector.d_limit, l->f_limit,
+                l->range);
             continue;
         }
         print_message("    law %zu: table of %zu, range %.3g m:", k, l->points, l->range);
