@@ -42,11 +42,12 @@ static inline const char *stress_fault_name(stress_fault fault) {
     return name[fault];
 }
 
-/* Bounds, each with its reason. The solver leaves 1e-11 of the largest force, or what rounding of u
- * makes of it; ten times either is a wrong state, as the oracle's elements round otherwise. The
- * ledger is asked for 1e-10 of all work. */
-#define STRESS_RESIDUAL 1e-10L
-#define STRESS_FLOORS 32
+/* Bounds, each with its reason. The solver leaves 1e-11 of the largest force it met in a step, or
+ * what rounding of u makes of the forces there; a hundred times either is a wrong state, since the
+ * oracle's elements round otherwise. The ledger is asked for 1e-10 of all work, so energies are for
+ * as much. */
+#define STRESS_RESIDUAL 1e-9L
+#define STRESS_FLOORS 64
 #define STRESS_LEDGER 2e-10L
 #define STRESS_SHIFT 1e-11L /* of a Hessian's diagonal: what its own rounding may hide */
 #define STRESS_LANDED 1e-3L /* of a law's range */
@@ -54,7 +55,7 @@ static inline const char *stress_fault_name(stress_fault fault) {
 
 /* Forces and energies are not asked for below these shares of those that bend the beam to its
  * substrate: a beam at rest has none, and a law a hundred ranges off may be told as nothing. */
-#define STRESS_LEAST_FORCE 0.1L
+#define STRESS_LEAST_FORCE 1e-2L
 #define STRESS_LEAST_ENERGY 1e-16L
 #define STRESS_FELT_FORCE 1e-12L
 
@@ -93,27 +94,33 @@ static inline long double stress_bending_force(const stress_oracle *o) {
     return o->stiffness * o->beam->spec.gap / (l * l * l);
 }
 
-/* Equilibrium, stability and energies of point i. */
-static inline void stress_check_state(stress_oracle *o, const haft_path *path, size_t i,
-                                      stress_finding *f) {
+/* What forces may be out of balance in the state last evaluated [N]. */
+static inline long double stress_slack(const stress_oracle *o) {
+    long double force = fmaxl(o->largest, STRESS_LEAST_FORCE * stress_bending_force(o));
+    return STRESS_RESIDUAL * force + STRESS_FLOORS * o->floor;
+}
+
+/* Equilibrium, stability and energies of point i; `before` is what the forces of the point before,
+ * from where the solver came, may be out of balance. @return the same of this point */
+static inline long double stress_check_state(stress_oracle *o, const haft_path *path, size_t i,
+                                             long double before, stress_finding *f) {
     const haft_path_point *p = &path->point[i];
-    stress_evaluate(o, path->state + i * o->dofs, p->load);
-    long double bending = stress_bending_force(o);
-    long double force = fmaxl(o->largest, STRESS_LEAST_FORCE * bending);
-    long double allowed = STRESS_RESIDUAL * force + STRESS_FLOORS * o->floor;
-    stress_note(f, STRESS_UNBALANCED, stress_unbalance(o) / allowed, i);
+    const double *u = path->state + i * o->dofs;
+    stress_evaluate(o, u, p->load);
+    long double slack = stress_slack(o);
+    stress_note(f, STRESS_UNBALANCED, stress_unbalance(o) / fmaxl(slack, before), i);
     stress_note(f, STRESS_UNSTABLE, stress_factorize(o, STRESS_SHIFT) > 0 ? INFINITY : 0, i);
     if (stress_factorize(o, 0) == 0) {
         stress_newton(o);
-        stress_note(f, STRESS_OFF, stress_step_size(o, path->state + i * o->dofs) / STRESS_NEWTON,
-                    i);
+        stress_note(f, STRESS_OFF, stress_step_size(o, u) / STRESS_NEWTON, i);
     }
     long double size = fabsl(o->strain) + fabsl(o->contact);
-    allowed = 1e-11L * size + STRESS_FLOORS * o->rounding +
-              STRESS_LEAST_ENERGY * bending * o->beam->spec.gap;
+    long double allowed = STRESS_LEDGER * size + STRESS_FLOORS * o->rounding +
+                          STRESS_LEAST_ENERGY * stress_bending_force(o) * o->beam->spec.gap;
     long double miss =
         fmaxl(fabsl(o->strain - p->internal_energy), fabsl(o->contact - p->contact_energy));
     stress_note(f, STRESS_ENERGY, miss / allowed, i);
+    return slack;
 }
 
 /* What the ledger's sums are held against. */
@@ -138,25 +145,24 @@ static inline void stress_check_ledger(const stress_oracle *o, const haft_path *
 }
 
 /* On a stable branch the deflection under the load rises with the load, so that the work of a step
- * lies between its way times either load. */
+ * lies between its way times either load. `slack` is what the load may be off [N]. */
 static inline void stress_check_step(const stress_oracle *o, const haft_path *path, size_t i,
-                                     stress_finding *f) {
+                                     long double slack, stress_finding *f) {
     const haft_path_point *a = &path->point[i - 1], *b = &path->point[i];
     if (b->jump >= 0) {
         return;
     }
     long double w0 = stress_displacement(&o->load, path->state + (i - 1) * o->dofs);
     long double w1 = stress_displacement(&o->load, path->state + i * o->dofs);
-    long double sign = b->phase == 0 ? 1 : -1, most = fmax(fabs(a->load), fabs(b->load));
-    long double back = fmaxl(-sign * ((long double)b->load - a->load) / (1e-10L * most), 0);
-    stress_note(f, STRESS_BACKWARDS, most > 0 ? back : 0, i);
-    long double work = (long double)b->work - a->work, low = a->load * (w1 - w0);
-    long double high = b->load * (w1 - w0), size = fabs(b->work) + fabs(a->work);
+    long double sign = b->phase == 0 ? 1 : -1, way = w1 - w0;
+    stress_note(f, STRESS_BACKWARDS, sign * ((long double)a->load - b->load) / slack, i);
+    long double work = (long double)b->work - a->work, low = a->load * way, high = b->load * way;
     long double out = fmaxl(fminl(low, high) - work, work - fmaxl(low, high));
-    long double allowed = 1e-10L * fmaxl(size, fabsl(work)) +
-                          1e-10L * fmaxl(fabsl(low), fabsl(high)) +
-                          STRESS_FLOORS * (o->rounding + most * o->beam->spec.gap * 0x1p-53L);
-    stress_note(f, STRESS_WORK, allowed > 0 ? out / allowed : 0, i);
+    long double gap = o->beam->spec.gap, most = fmaxl(fabsl(a->load), fabsl(b->load));
+    long double allowed = STRESS_LEDGER * fmaxl(fabs(a->work), fabs(b->work)) + slack * fabsl(way) +
+                          STRESS_FLOORS * (o->rounding + most * gap * 0x1p-53L) +
+                          STRESS_LEAST_ENERGY * stress_bending_force(o) * gap;
+    stress_note(f, STRESS_WORK, out / allowed, i);
 }
 
 /* Jump at point i: it lost energy, and no more than the state before it had above the state after
@@ -227,12 +233,14 @@ static inline void stress_check_path(stress_oracle *o, const haft_model *m, cons
                                      size_t sample, stress_finding *f) {
     stress_books books = {0};
     size_t every = sample > 0 ? (path->jumps + sample - 1) / sample : 0;
+    long double slack = 0, before = 0;
     for (size_t i = 0; i < path->points; i++) {
-        stress_check_state(o, path, i, f);
+        before = slack;
+        slack = stress_check_state(o, path, i, before, f);
         stress_check_ledger(o, path, i, &books, f);
         int jump = path->point[i].jump;
         if (i > 0) {
-            stress_check_step(o, path, i, f);
+            stress_check_step(o, path, i, fmaxl(slack, before), f);
         }
         if (i > 0 && jump >= 0) {
             stress_check_jump(o, path, i, f);

@@ -35,9 +35,8 @@ static inline void stress_print_count(const char *what, const char *where, const
     print_message("\n");
 }
 
-/* Beams by outcome on a mesh. @return how many are not explained */
-static inline size_t stress_print_outcomes(const stress_result *result, size_t beams, int mesh) {
-    size_t unexplained = 0;
+/* Beams by outcome on a mesh; of outcomes that do not explain themselves, which. */
+static inline void stress_print_outcomes(const stress_result *result, size_t beams, int mesh) {
     for (int o = 0; o < HAFT_OUTCOMES; o++) {
         stress_count c = {0};
         size_t by_family[STRESS_FAMILIES] = {0};
@@ -53,7 +52,6 @@ static inline size_t stress_print_outcomes(const stress_result *result, size_t b
         print_message("    %-8s %-18s %6zu beams", stress_mesh_name(mesh),
                       haft_outcome_name((haft_outcome)o), c.beams);
         if (!stress_is_explained((haft_outcome)o, mesh)) {
-            unexplained += c.beams;
             for (int k = 0; k < STRESS_FAMILIES; k++) {
                 if (by_family[k] > 0) {
                     print_message("; %s %zu", stress_family_name((stress_family)k), by_family[k]);
@@ -66,12 +64,10 @@ static inline size_t stress_print_outcomes(const stress_result *result, size_t b
         }
         print_message("\n");
     }
-    return unexplained;
 }
 
-/* Beams by fault on a mesh. @return how many faults */
-static inline size_t stress_print_faults(const stress_result *result, size_t beams, int mesh) {
-    size_t faults = 0;
+/* Beams by fault on a mesh. */
+static inline void stress_print_faults(const stress_result *result, size_t beams, int mesh) {
     for (int k = 0; k < STRESS_FAULTS; k++) {
         stress_count c = {0};
         for (size_t i = 0; i < beams; i++) {
@@ -82,14 +78,12 @@ static inline size_t stress_print_faults(const stress_result *result, size_t bea
         }
         if (c.beams > 0) {
             stress_print_count(stress_fault_name((stress_fault)k), stress_mesh_name(mesh), &c);
-            faults += c.beams;
         }
     }
-    return faults;
 }
 
-/* Beams that the library refused, with the first message. @return how many, meshes counted */
-static inline size_t stress_print_refusals(const stress_result *result, size_t beams, int mesh) {
+/* Beams that the library refused, with the first message. */
+static inline void stress_print_refusals(const stress_result *result, size_t beams, int mesh) {
     stress_count c = {0};
     const char *why = "";
     for (size_t i = 0; i < beams; i++) {
@@ -102,7 +96,6 @@ static inline size_t stress_print_refusals(const stress_result *result, size_t b
         stress_print_count("refused", stress_mesh_name(mesh), &c);
         print_message("      %s\n", why);
     }
-    return c.beams;
 }
 
 static inline void stress_print_work(const stress_result *result, size_t beams) {
@@ -153,28 +146,50 @@ static inline void stress_print_beam(const stress_result *r) {
     }
 }
 
-/* Runs all beams and prints the tables. @return faults and unexplained outcomes together */
+/* Whether anything went wrong with a beam: on any mesh an outcome that does not explain itself, a
+ * refusal or a fault. */
+static inline bool stress_is_wrong(const stress_result *r) {
+    for (int m = 0; m < STRESS_MESHES; m++) {
+        const stress_run *run = &r->run[m];
+        bool wrong = run->refused || !stress_is_explained(run->outcome, m);
+        for (int k = 0; k < STRESS_FAULTS && !wrong; k++) {
+            wrong = run->finding.worst[k] > 1;
+        }
+        if (wrong) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Runs all beams into `result`, on all cores. */
+static inline void stress_run_all(const stress_options *options, stress_result *result) {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (size_t i = 0; i < options->beams; i++) {
+        result[i] = stress_beam_run(options, options->first + i);
+    }
+}
+
+/* Runs all beams and prints the tables. @return how many went wrong */
 static inline size_t stress_study_run(const stress_options *options) {
     size_t beams = options->beams, wrong = 0;
     stress_result *result = calloc(beams, sizeof *result);
-#pragma omp parallel for schedule(dynamic, 1)
+    stress_run_all(options, result);
     for (size_t i = 0; i < beams; i++) {
-        result[i] = stress_beam_run(options, options->first + i);
-    }
-    if (options->told) {
-        for (size_t i = 0; i < beams; i++) {
+        wrong += stress_is_wrong(&result[i]);
+        if (options->told) {
             stress_print_beam(&result[i]);
         }
     }
-    print_message("  %zu beams of seed %llu from %llu on\n", beams,
-                  (unsigned long long)options->seed, (unsigned long long)options->first);
+    print_message("  %zu beams of seed %llu from %llu on, %zu of them wrong\n", beams,
+                  (unsigned long long)options->seed, (unsigned long long)options->first, wrong);
     stress_print_work(result, beams);
     for (int m = 0; m < STRESS_MESHES; m++) {
-        wrong += stress_print_refusals(result, beams, m);
-        wrong += stress_print_outcomes(result, beams, m);
+        stress_print_refusals(result, beams, m);
+        stress_print_outcomes(result, beams, m);
     }
     for (int m = 0; m < STRESS_MESHES; m++) {
-        wrong += stress_print_faults(result, beams, m);
+        stress_print_faults(result, beams, m);
     }
     free(result);
     return wrong;
