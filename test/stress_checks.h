@@ -17,6 +17,7 @@ typedef enum stress_fault {
     STRESS_UPHILL,      /* a jump gained energy, or lost more than there was */
     STRESS_BACKWARDS,   /* load or deflection went back on a branch */
     STRESS_WORK,        /* a step's work is not between its loads times its way */
+    STRESS_PASSED,      /* small steps of the load do not lead from a state to the next */
     STRESS_LANDING,     /* a jump landed elsewhere than the flow does */
     STRESS_START,       /* the start is not where the flow from rest ends */
     STRESS_MESH_JUMPS,  /* two meshes jump at other loads */
@@ -34,6 +35,7 @@ static inline const char *stress_fault_name(stress_fault fault) {
                                                     "jump uphill",
                                                     "load back",
                                                     "work told wrong",
+                                                    "fold passed",
                                                     "landing elsewhere",
                                                     "start elsewhere",
                                                     "meshes: loads of jumps",
@@ -63,6 +65,7 @@ static inline const char *stress_fault_name(stress_fault fault) {
 typedef struct stress_finding {
     long double worst[STRESS_FAULTS]; /* above 1: a fault */
     size_t point[STRESS_FAULTS];      /* point or jump of the worst */
+    size_t branches;                  /* steps followed again */
     size_t landings, lost_landings;   /* compared; where the oracle gave up */
     bool start_felt, start_lost;      /* the start was compared; the oracle gave up */
     size_t dragged;                   /* landings that differ by the mesh's drag alone */
@@ -183,6 +186,32 @@ static inline void stress_check_jump(stress_oracle *o, const haft_path *path, si
     stress_note(f, STRESS_UPHILL, over / allowed, i);
 }
 
+/* Follows the branch from point i - 1 to point i by small steps of the load, each finished by
+ * Newton within a tenth of a length: over a fold between them none would lead. */
+static inline void stress_check_branch(stress_oracle *o, const haft_model *m, const haft_path *path,
+                                       size_t i, stress_finding *f) {
+    size_t bytes = o->dofs * sizeof(double);
+    double *u = malloc(bytes), *rest = malloc(bytes), share = 0, step = 0.25;
+    double from = path->point[i - 1].load, way = path->point[i].load - from;
+    memcpy(u, path->state + (i - 1) * o->dofs, bytes);
+    while (share < 1 && step > 1e-7) {
+        double next = fmin(1, share + step);
+        stress_flow at = {o, m, from + next * way};
+        if (stress_flow_rests(&at, u, rest, 0.1L)) {
+            memcpy(u, rest, bytes);
+            share = next;
+            step *= 2;
+        } else {
+            step /= 4;
+        }
+    }
+    f->branches++;
+    stress_note(f, STRESS_PASSED,
+                share < 1 ? INFINITY : stress_apart(o, u, path->state + i * o->dofs), i);
+    free(u);
+    free(rest);
+}
+
 /* Where the flow leads from the state before the jump at point i, at a load a little beyond. Too
  * little, and the flow's own error decides which side of the fold it leaves by; too much, and it
  * passes another fold. So more is tried until one agrees. @return whether one did */
@@ -228,11 +257,13 @@ static inline void stress_check_start(stress_oracle *o, const haft_model *m, con
     free(rest);
 }
 
-/* Checks a whole path with its states; of its landings in simple folds `sample`, evenly. */
+/* Checks a whole path with its states; of its landings in simple folds `sample`, evenly, and ten
+ * times as many of its steps. */
 static inline void stress_check_path(stress_oracle *o, const haft_model *m, const haft_path *path,
                                      size_t sample, stress_finding *f) {
     stress_books books = {0};
     size_t every = sample > 0 ? (path->jumps + sample - 1) / sample : 0;
+    size_t stride = sample > 0 ? path->points / (10 * sample) + 1 : 0;
     long double slack = 0, before = 0;
     for (size_t i = 0; i < path->points; i++) {
         before = slack;
@@ -241,6 +272,9 @@ static inline void stress_check_path(stress_oracle *o, const haft_model *m, cons
         int jump = path->point[i].jump;
         if (i > 0) {
             stress_check_step(o, path, i, fmaxl(slack, before), f);
+        }
+        if (i > 0 && jump < 0 && stride > 0 && i % stride == 0) {
+            stress_check_branch(o, m, path, i, f);
         }
         if (i > 0 && jump >= 0) {
             stress_check_jump(o, path, i, f);

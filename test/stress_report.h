@@ -100,7 +100,7 @@ static inline void stress_print_refusals(const stress_result *result, size_t bea
 
 static inline void stress_print_work(const stress_result *result, size_t beams) {
     size_t points = 0, jumps = 0, landings = 0, lost = 0, starts = 0, lost_starts = 0, slow = 0,
-           dragged = 0;
+           dragged = 0, branches = 0;
     double slowest = 0;
     for (size_t i = 0; i < beams; i++) {
         for (int m = 0; m < STRESS_MESHES; m++) {
@@ -109,6 +109,7 @@ static inline void stress_print_work(const stress_result *result, size_t beams) 
             jumps += run->jumps;
             landings += run->finding.landings;
             lost += run->finding.lost_landings;
+            branches += run->finding.branches;
             dragged += run->finding.dragged;
             starts += run->finding.start_felt;
             lost_starts += run->finding.start_lost;
@@ -116,10 +117,11 @@ static inline void stress_print_work(const stress_result *result, size_t beams) 
             slowest = fmax(slowest, run->seconds);
         }
     }
-    print_message("  %zu states, %zu jumps, %zu landings compared (%zu lost by the oracle), %zu "
+    print_message("  %zu states, %zu jumps, %zu steps followed again, %zu landings compared (%zu "
+                  "lost by the oracle), %zu "
                   "starts (%zu lost); %zu landings differ by the mesh's drag; slowest path %.1f s: "
                   "%llu\n",
-                  points, jumps, landings, lost, starts, lost_starts, dragged, slowest,
+                  points, jumps, branches, landings, lost, starts, lost_starts, dragged, slowest,
                   (unsigned long long)result[slow].index);
 }
 
