@@ -43,6 +43,10 @@ typedef enum haft_mesh_kind {
                            model comes with shorter ones of the same beam */
 } haft_mesh_kind;
 
+/** Into how many elements a beam may be cut: the stiffness of shorter ones, which grows with the
+ *  third power of their number, loses the digits of the whole beam's. */
+enum { HAFT_MOST_ELEMENTS = 10000 };
+
 /** How a beam is cut into elements, and where its sites and the load are. */
 typedef struct haft_mesh_spec {
     haft_mesh_kind kind;   /**< where the nodes lie */
@@ -112,7 +116,9 @@ typedef struct haft_model {
 size_t haft_mesh_inert_sites(const haft_beam_spec *beam, const haft_mesh_spec *mesh);
 
 /** Meshes a beam. @return HAFT_ERROR_INPUT where l_meso or element_length does not divide the
- * length (the message names the nearest that does) or the load is off the beam. */
+ *  length (the message names the nearest that does), makes more than HAFT_MOST_ELEMENTS elements,
+ * or the load is off the beam. A load nearer to a node than 1 % of l_meso gets no node of its own.
+ */
 haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
                                    const haft_mesh_spec *mesh, haft_error *error) HAFT_MUST_CHECK;
 

@@ -108,7 +108,8 @@ haft_law_fault haft_law_morse(haft_law *out, const haft_law_vector *vector, doub
 haft_law_vector haft_law_morse_vector(const haft_law *law);
 
 /** Makes a table of a curve by monotone cubic Hermite interpolation; left of the first point the
- *  tangent goes on (level if the curve begins rising), right of the last the force is zero.
+ *  tangent goes on as the law's wall, right of the last the force is zero. A curve that begins with
+ *  points from which it rises is taken without them.
  *  Fourth order in the step where the curve is monotone and the grid even, third where it is not,
  *  second at its extrema.
  *  @param[out] out the table; NULL after a failure
@@ -116,10 +117,10 @@ haft_law_vector haft_law_morse_vector(const haft_law *law);
  *  @param[in] distance strictly increasing [m], n >= 4; an even grid is looked up in O(1)
  *  @param[in] force [n] at them [Pa], pushing positive
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_INPUT if a number is not finite, if the curve pulls at its first point (no
- *  wall), or if its last value, which is taken as 0, exceeds HAFT_LAW_PROMINENCE of the greatest
- *  pull (or, for a curve that never pulls, of the greatest push).
- *  Source: Hyman (1983), on even grids; Fritsch and Butland (1984). */
+ *  @return HAFT_ERROR_INPUT if a number is not finite, if the curve has no wall (it pulls at its
+ *  first point, or nowhere pushes and then falls), or if its last value, which is taken as 0,
+ * exceeds HAFT_LAW_PROMINENCE of the greatest pull (or, for a curve that never pulls, of the
+ * greatest push). Source: Hyman (1983), on even grids; Fritsch and Butland (1984). */
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
                                   const double *force, haft_error *error) HAFT_MUST_CHECK;
 
@@ -181,10 +182,28 @@ size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n,
  *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
 double haft_law_reach(const haft_law *law, double share);
 
+/** The gap beyond which the law's force, pull or push, stays below `share` of f_max [m]. It is
+ *  haft_law_reach() unless a table pushes farther out than it pulls; for a law that never pulls,
+ * the gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
+double haft_law_extent(const haft_law *law, double share);
+
 /** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a Morse
- *  law; of a table the same read off its steepest slope where it pulls, 4 f_max over that slope.
+ *  law; of a table the same read off its steepest slope beyond its wall, 4 f_max over that slope.
  *  Thread-safe. */
 double haft_law_range(const haft_law *law);
+
+/** Where a law changes over which length: a wall may be very much narrower than the well behind it.
+ */
+typedef struct haft_law_lengths {
+    double range; /**< haft_law_range(): up to the gap `edge` [m] */
+    double edge;  /**< [m] */
+    double wide;  /**< and beyond, >= range [m]; range, unless it is ten times as long or longer */
+} haft_law_lengths;
+
+/** The lengths over which a law changes. Of a Morse law the edge is d_max; of a table the end of
+ * the last piece that is more than a tenth as steep as the steepest, if that is within its first
+ *  quarter. Thread-safe. */
+haft_law_lengths haft_law_find_lengths(const haft_law *law);
 
 /** The misfit of a law to the curve it stands for: integral |f_law - f| from the law's wall to the
  *  curve's end, over that of the curve's pull, by the trapezoidal rule on its points. 0 for a law

@@ -33,19 +33,31 @@ typedef struct haft_path_options {
 
 /** Why a path ended. */
 typedef enum haft_outcome {
-    HAFT_OUTCOME_STUCK,        /**< unloaded, and still in contact */
-    HAFT_OUTCOME_FREE,         /**< unloaded, and touching nowhere */
-    HAFT_OUTCOME_STEP_STALLED, /**< no step could be made, however small */
-    HAFT_OUTCOME_FLOW_STALLED, /**< a landing did not come to rest */
-    HAFT_OUTCOME_STEP_LIMIT,   /**< more steps than allowed */
-    HAFT_OUTCOME_NOT_FINITE,   /**< a law gave a value that is not finite */
-    HAFT_OUTCOME_ZONE_LEFT,    /**< a site that was left out came into reach: an active mesh began
-                                    too late, and the exact one is called for */
-    HAFT_OUTCOMES              /**< how many there are */
+    HAFT_OUTCOME_STUCK,         /**< unloaded, and still in contact */
+    HAFT_OUTCOME_FREE,          /**< unloaded, and touching nowhere */
+    HAFT_OUTCOME_STEP_STALLED,  /**< no step ends at the load or the crack length asked for */
+    HAFT_OUTCOME_FLOW_STALLED,  /**< a landing did not come to rest */
+    HAFT_OUTCOME_STEP_LIMIT,    /**< more steps than allowed */
+    HAFT_OUTCOME_NOT_FINITE,    /**< a law gave a value that is not finite */
+    HAFT_OUTCOME_ZONE_LEFT,     /**< a site that was left out came into reach: an active mesh began
+                                     too late, and the exact one is called for */
+    HAFT_OUTCOME_NOT_CONVERGED, /**< the corrector did not converge, however short the step */
+    HAFT_OUTCOME_BRANCH_LOST,   /**< the corrector ended far from the predictor, however short the
+                                     step */
+    HAFT_OUTCOME_SINGULAR,      /**< the stiffness could not be factored */
+    HAFT_OUTCOME_LEDGER_OPEN,   /**< steps miss more energy than the ledger allows */
+    HAFT_OUTCOME_FOLD_LOST,     /**< a limit point was passed but could not be located */
+    HAFT_OUTCOME_CRACK_UNREACHED, /**< the walls are pressed in deeper than the beam's gap, and the
+                                       crack still is longer than asked for */
+    HAFT_OUTCOMES                 /**< how many there are */
 } haft_outcome;
 
 /** A short name of an outcome ("stuck"), never NULL. */
 const char *haft_outcome_name(haft_outcome outcome);
+
+/** What to do about an outcome that is no answer, as one clause ("ask for a longer crack ..."); an
+ *  empty text for HAFT_OUTCOME_STUCK and HAFT_OUTCOME_FREE, never NULL. */
+const char *haft_outcome_advice(haft_outcome outcome);
 
 /** Which way a jump went. */
 typedef enum haft_jump_kind {
@@ -58,6 +70,8 @@ typedef enum haft_departure {
     HAFT_DEPARTURE_FOLD,        /**< in a simple fold */
     HAFT_DEPARTURE_BIFURCATION, /**< stability was lost though the load did not turn */
     HAFT_DEPARTURE_CROWDED,     /**< several eigenvalues vanished at once */
+    HAFT_DEPARTURE_REST,        /**< it did not begin: the unloaded beam, u = 0, feels its laws so
+                                     much that it is pulled to another place */
 } haft_departure;
 
 /** One accepted state; energies, work and dissipation are sums from the start [J]. */
@@ -82,7 +96,8 @@ typedef struct haft_jump {
     int phase;                /**< 0 loading, 1 unloading */
     haft_departure departure; /**< how the branch before ended */
     double load;              /**< of the fold [N] */
-    int site;                 /**< the site that moves most in the fold's null vector */
+    int site;                 /**< the site that moves most in the fold's null vector; of the one at
+                                   rest, by the forces there */
     int sites_switched;       /**< sites that came into or went out of reach */
     double crack_before;      /**< crack length at the fold [m] */
     double crack_after;       /**< and at the landing [m] */
@@ -119,22 +134,26 @@ typedef struct haft_path {
     size_t turn;            /**< index of the last point of the loading */
     bool turned_by_load;    /**< the loading ended at the load limit, not at the crack length */
     haft_outcome outcome;   /**< why it ended */
-    double ledger_error;  /**< greatest |work - energy - dissipated| over the path / total |work| */
-    double end_influence; /**< of the free end of a stuck beam on its crack's tip: the tip's share
-                             of the deflection that a force at the end makes, |w_tip / w_end|.
-                             Small: the beam is long enough, more of it would change nothing. 0 of a
-                               beam let go and of a structure that is no beam, NaN if not solved */
-    haft_path_cost cost;  /**< what it took */
-    size_t point_capacity; /**< room in `point` */
-    size_t jump_capacity;  /**< room in `jump` */
+    double ledger_error;    /**< greatest |work - energy - dissipated| over the path, divided by the
+                                 total |work| or, where that is more, by 1e-6 of the greatest
+                                 |strain energy| + |contact energy| */
+    double end_influence;   /**< of the free end of a stuck beam on its crack's tip: the tip's share
+                               of the deflection that a force at the end makes, |w_tip / w_end|.
+                               Small: the beam is long enough, more of it would change nothing. 0 of a
+                                 beam let go and of a structure that is no beam, NaN if not solved */
+    haft_path_cost cost;    /**< what it took */
+    size_t point_capacity;  /**< room in `point` */
+    size_t jump_capacity;   /**< room in `jump` */
 } haft_path;
 
 /** Follows the programme. Not converging is an outcome, not an error: what was followed so far is
- *  in the path.
+ *  in the path. A beam that feels its laws at rest begins where the gradient flow from u = 0 leads:
+ *  if it is far, that is the path's first jump, and its first point is the landing.
  *  @param[out] out the path; NULL after a failure
  *  @param[in] model the structure
  *  @param[in] laws one a site of the model
- *  @param[in] programme of the load
+ *  @param[in] programme of the load; its crack_length may be 0 or less, which no crack reaches, if
+ *  its load_limit is finite
  *  @param[in] options how finely; NULL: all defaults
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_ARGUMENT or HAFT_ERROR_LIBRARY. Thread-safe. */

@@ -11,8 +11,29 @@
 #define SHORTER_SHARE 0.85
 enum { LEAST_ACTIVE = 24 };
 
-/* Positions closer than this share of the beam's length are the same node. */
-#define NODE_TOLERANCE 1e-9
+/* Elements that differ from the pitch by less than this share of it have the same length. */
+#define PITCH_TOLERANCE 1e-9
+
+/* The load gets no node of its own where a node is nearer than this share of a patch: an element as
+ * short as that would cost the others their digits. It acts in the element where it is. That is
+ * exact at all nodes (Hermite elements hold the Green's functions of their nodes), and the
+ * deflection at the load misses P a^3 / (3 E I), a its distance from the node. */
+#define LOAD_TOLERANCE 0.01
+
+static haft_status check_fineness(const haft_beam_spec *beam, const haft_mesh_spec *mesh,
+                                  haft_error *error) {
+    bool uniform = mesh->kind == HAFT_MESH_UNIFORM;
+    double part = uniform ? mesh->element_length : mesh->l_meso;
+    double least = beam->length / HAFT_MOST_ELEMENTS;
+    if (part < least * (1 - PITCH_TOLERANCE)) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "%s = %g m is too short for a beam of %g m: more than %d elements lose "
+            "the digits of its stiffness; the shortest allowed is %.9g m",
+            uniform ? "element_length" : "l_meso", part, beam->length, HAFT_MOST_ELEMENTS, least);
+    }
+    return HAFT_OK;
+}
 
 static haft_status count_divisions(double length, double part, const char *key, size_t *count,
                                    haft_error *error) {
@@ -85,7 +106,7 @@ static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec
             x[n++] = site_position(beam->length, sites, r);
         }
         x[n++] = beam->length;
-        n = insert_node(x, n, mesh->load_position, NODE_TOLERANCE * beam->length);
+        n = insert_node(x, n, mesh->load_position, LOAD_TOLERANCE * mesh->l_meso);
     }
     *out = x;
     *count = n;
@@ -141,7 +162,7 @@ static haft_site make_point(size_t e, double xi, double l, const double *node_sc
  * their nodes' positions would make of each. */
 static double element_length(const double *node_x, size_t e, double pitch) {
     double l = node_x[e + 1] - node_x[e];
-    return fabs(l - pitch) < NODE_TOLERANCE * pitch ? pitch : l;
+    return fabs(l - pitch) < PITCH_TOLERANCE * pitch ? pitch : l;
 }
 
 static haft_element make_element(const double *node_length, size_t e, double l,
@@ -322,6 +343,9 @@ haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
     }
     size_t sites = 0;
     haft_status status = count_divisions(beam->length, mesh->l_meso, "l_meso", &sites, error);
+    if (status == HAFT_OK) {
+        status = check_fineness(beam, mesh, error);
+    }
     if (status == HAFT_OK) {
         status = create_mesh(out, beam, mesh, sites, error);
     }

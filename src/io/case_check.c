@@ -15,7 +15,6 @@ enum {
     NEAREST_LIMIT = 2000000, /* counts tried in looking for the nearest length that divides */
     DISTANCES_LEAST = 16,
     DISTANCES_MOST = 1000000,
-    PATCHES_MOST = 1000000,
 };
 static const double PATCH_POINTS_MOST = 1e9;
 
@@ -158,9 +157,9 @@ static void check_part(haft_case_reader *reader, const char *path, double part, 
         WRONG(reader, path, "%s does not divide beam.length, %s; nearest is %s",
               length_text(part, a), length_text(length, b),
               length_text(nearest > 0 ? nearest : length, d));
-    } else if (length / part > PATCHES_MOST) {
+    } else if (length / part > HAFT_MOST_ELEMENTS) {
         WRONG(reader, path, "%s divides the beam into %.3g pieces; give %s at least",
-              length_text(part, a), length / part, length_text(length / PATCHES_MOST, b));
+              length_text(part, a), length / part, length_text(length / HAFT_MOST_ELEMENTS, b));
     }
 }
 

@@ -41,7 +41,7 @@ double haft_law_energy(size_t n, const double *distance, const double *force) {
         } else if (cubic.c[0] >= 0 && end >= 0) {
             continue;
         }
-        sum -= haft_hermite_integral(&cubic, high) - haft_hermite_integral(&cubic, low);
+        sum -= haft_hermite_integral(&cubic, low, high);
     }
     return sum;
 }

@@ -22,11 +22,25 @@ double haft_law_reach(const haft_law *law, double share) {
     return law->d_max - log(share / (1 + sqrt(1 - share))) / law->a_right;
 }
 
+double haft_law_extent(const haft_law *law, double share) {
+    bool is_table = law->kind == HAFT_LAW_TABLE && share > 0 && share < 1;
+    return is_table ? haft_law_table_extent(law->table, share) : haft_law_reach(law, share);
+}
+
 double haft_law_range(const haft_law *law) {
     if (law->kind == HAFT_LAW_TABLE) {
         return haft_law_table_range(law->table);
     }
     return 1 / fmax(law->a_left, law->a_right);
+}
+
+haft_law_lengths haft_law_find_lengths(const haft_law *law) {
+    if (law->kind == HAFT_LAW_TABLE) {
+        return haft_law_table_lengths(law->table);
+    }
+    double left = 1 / law->a_left, right = 1 / law->a_right;
+    return (haft_law_lengths){fmin(left, right), law->d_max,
+                              right >= HAFT_LAW_WIDER * left ? right : fmin(left, right)};
 }
 
 const char *haft_law_fault_name(haft_law_fault fault) {

@@ -36,16 +36,17 @@ static double secant(size_t n, const double *x, const double *f, size_t i) {
     return (point_value(n, f, i + 1) - point_value(n, f, i)) / (x[i + 1] - x[i]);
 }
 
-/* The left end: the parabola's slope, held back so that the cubic stays monotone, and never
- * rising, for the tangent goes on to the left and a wall must not turn into a pull. */
+/* The left end: the parabola's slope, held back so that the cubic stays monotone. Where the curve
+ * falls, so does the tangent, which goes on to the left as a law's wall: by no less than half the
+ * secant. */
 static double first_slope(size_t n, const double *x, const double *f) {
     double h0 = x[1] - x[0], h1 = x[2] - x[1];
     double s0 = secant(n, x, f, 0), s1 = secant(n, x, f, 1);
     double slope = s0 + (s0 - s1) * h0 / (h0 + h1);
-    if (s0 >= 0 || slope >= 0) {
+    if (s0 >= 0) {
         return 0;
     }
-    return fmax(slope, 3 * s0);
+    return fmax(fmin(slope, 0.5 * s0), 3 * s0);
 }
 
 /* Whether the four steps about point i are there and even. */

@@ -27,10 +27,13 @@ static inline double haft_hermite_value(const haft_hermite *cubic, double t) {
     return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
 }
 
-/* Integral from 0 to t. */
-static inline double haft_hermite_integral(const haft_hermite *cubic, double t) {
+/* Integral from s to t, to the rounding of (t - s) times the terms of f: nothing of what lies
+ * outside is subtracted. */
+static inline double haft_hermite_integral(const haft_hermite *cubic, double s, double t) {
     const double *c = cubic->c;
-    return t * (c[0] + t * (0.5 * c[1] + t * (1.0 / 3 * c[2] + t * 0.25 * c[3])));
+    double sum = s + t, squares = s * s + t * t;
+    return (t - s) * (c[0] + 0.5 * c[1] * sum + 1.0 / 3 * c[2] * (squares + s * t) +
+                      0.25 * c[3] * sum * squares);
 }
 
 /* Where a cubic that is monotone on its width takes `value`, which lies between its end values. */

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A curve as a C1 law: cubics between its points, the first tangent to the left of them, nothing to
  * the right. The potential is the exact integral of the cubics, summed from the right end once.
- * Even grids are looked up by arithmetic, others by bisection. */
+ * Within a piece it is integrated from the piece's right end: from the left, a small potential
+ * would be the difference of two large numbers. Even grids are looked up by arithmetic, others by
+ * bisection. */
 #include "law/table.h"
 
 #include <math.h>
 
 #include "law/hermite.h"
 
-enum { CACHE_LINE = 64, AHEAD = 16 };
+enum { CACHE_LINE = 64, AHEAD = 16, LEAST_POINTS = 4 };
 
 /* One line of the cache: a beam's laws together are larger than it. */
 typedef struct piece {
     _Alignas(CACHE_LINE) haft_hermite cubic;
     double start;     /* gap at its left end */
-    double potential; /* there */
+    double potential; /* at its right end */
     double least;     /* force at the left ends from this one on */
 } piece;
 
@@ -23,6 +25,7 @@ struct haft_law_table {
     double first, last, per_step; /* as in its head */
     double f_max, d_max;          /* 0 and NaN if it never pulls */
     double range;
+    double wall_potential; /* at its first point */
     piece piece[];
 };
 
@@ -37,13 +40,31 @@ static double greatest(size_t n, const double *f, double sign, size_t *where) {
     return most;
 }
 
-static haft_status check(size_t n, const double *distance, const double *force, double scale,
-                         haft_error *error) {
+/* A law needs a wall: it must push at its first point, and less at the next one. Otherwise nothing
+ * stops a site from sinking through the substrate. So the points before the first that is followed
+ * by a fall are left out. @return how many; a curve without any force keeps all its points. */
+static size_t rising_points(size_t n, const double *force, double scale) {
+    size_t first = 0;
+    while (scale > 0 && first + 1 < n && force[first + 1] >= force[first]) {
+        first++;
+    }
+    return first;
+}
+
+/* `first` is the point that the wall begins at. */
+static haft_status check(size_t n, const double *distance, const double *force, size_t first,
+                         double scale, haft_error *error) {
     if (force[0] < 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "the curve pulls (%g Pa) at its first distance, %g m, where a law "
                               "needs a wall; begin it at a smaller distance",
                               force[0], distance[0]);
+    }
+    if (scale > 0 && (!(force[first] > 0) || n - first < LEAST_POINTS)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "the curve does not push and then fall from its first distance, %g m "
+                              "(%g Pa), where a law needs a wall; begin it at a smaller distance",
+                              distance[0], force[0]);
     }
     if (fabs(force[n - 1]) > HAFT_LAW_PROMINENCE * scale) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
@@ -55,25 +76,58 @@ static haft_status check(size_t n, const double *distance, const double *force, 
 }
 
 /* A Morse law is steepest, where it pulls, at its zero: 4 a f_max. So four times f_max over the
- * steepest slope of a table's pull is the range that the same law has as Morse. The wall is steep
- * without telling how wide the well is: it is left out, unless there is nothing else. */
+ * steepest slope of a table beyond its wall is the range that the same law has as Morse. The wall
+ * is steep without telling how wide the well is: it is left out, unless there is nothing else. A
+ * table may push again beyond its well. */
 static void find_range(haft_law_table *table, double scale) {
-    double steepest = 0, pushes_up_to = table->f_max > 0 ? 0 : scale;
+    double steepest = 0;
+    bool beyond_wall = !(table->f_max > 0);
     for (size_t i = 0; i < table->pieces; i++) {
         const haft_hermite *cubic = &table->piece[i].cubic;
-        if (cubic->c[0] <= pushes_up_to) {
+        beyond_wall |= cubic->c[0] <= 0;
+        if (beyond_wall) {
             steepest = fmax(steepest, haft_hermite_steepest(cubic));
         }
     }
     table->range = steepest > 0 ? 4 * scale / steepest : table->last - table->first;
 }
 
+/* Makes the table of a curve that has a wall. */
+static haft_status create(haft_law_table **out, size_t n, const double *distance,
+                          const double *force, haft_error *error) {
+    haft_law_table *table =
+        haft_memory_alloc(1, sizeof *table + (n - 1) * sizeof table->piece[0], error);
+    if (table == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    size_t pulls_at = n, pushes_at = n;
+    double pull = greatest(n, force, -1, &pulls_at);
+    table->pieces = n - 1;
+    table->first = distance[0];
+    table->last = distance[n - 1];
+    bool even = haft_hermite_is_even(n, distance);
+    table->per_step = even ? (double)(n - 1) / (table->last - table->first) : 0;
+    table->f_max = pull;
+    table->d_max = pull > 0 ? distance[pulls_at] : NAN;
+    double potential = 0, least = INFINITY;
+    for (size_t i = n - 1; i-- > 0;) {
+        haft_hermite cubic = haft_hermite_interval(n, distance, force, i);
+        least = fmin(least, cubic.c[0]);
+        table->piece[i] = (piece){cubic, distance[i], potential, least};
+        potential += haft_hermite_integral(&cubic, 0, cubic.width);
+    }
+    table->wall_potential = potential;
+    find_range(table, pull > 0 ? pull : greatest(n, force, 1, &pushes_at));
+    *out = table;
+    return HAFT_OK;
+}
+
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
                                   const double *force, haft_error *error) {
     *out = NULL;
-    if (n < 4) {
+    if (n < LEAST_POINTS) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT,
-                              "a law's table needs at least 4 points, not %zu", n);
+                              "a law's table needs at least %d points, not %zu", LEAST_POINTS, n);
     }
     if (!haft_hermite_is_curve(n, distance, force)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
@@ -82,34 +136,11 @@ haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *
     }
     size_t at = n;
     double pull = greatest(n, force, -1, &at);
-    size_t pushes_at = 0;
-    double scale = pull > 0 ? pull : greatest(n, force, 1, &pushes_at);
-    haft_status status = check(n, distance, force, scale, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    haft_law_table *table =
-        haft_memory_alloc(1, sizeof *table + (n - 1) * sizeof table->piece[0], error);
-    if (table == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    table->pieces = n - 1;
-    table->first = distance[0];
-    table->last = distance[n - 1];
-    bool even = haft_hermite_is_even(n, distance);
-    table->per_step = even ? (double)(n - 1) / (table->last - table->first) : 0;
-    table->f_max = pull;
-    table->d_max = pull > 0 ? distance[at] : NAN;
-    double potential = 0, least = INFINITY;
-    for (size_t i = n - 1; i-- > 0;) {
-        haft_hermite cubic = haft_hermite_interval(n, distance, force, i);
-        potential += haft_hermite_integral(&cubic, cubic.width);
-        least = fmin(least, cubic.c[0]);
-        table->piece[i] = (piece){cubic, distance[i], potential, least};
-    }
-    find_range(table, scale);
-    *out = table;
-    return HAFT_OK;
+    double scale = pull > 0 ? pull : greatest(n, force, 1, &at);
+    size_t first = rising_points(n, force, scale);
+    haft_status status = check(n, distance, force, first, scale, error);
+    return status == HAFT_OK ? create(out, n - first, distance + first, force + first, error)
+                             : status;
 }
 
 void haft_law_table_destroy(haft_law_table **table) {
@@ -166,21 +197,23 @@ static inline const piece *correct(const haft_law_table *table, const piece *gue
 
 /* Cubics to be evaluated side by side, each at t from its left end. */
 typedef struct cubics {
-    double t[AHEAD], c[4][AHEAD], potential[AHEAD];
+    double t[AHEAD], end[AHEAD], c[4][AHEAD], potential[AHEAD]; /* the potential at `end` */
 } cubics;
 
-/* Puts a table's cubic at d into lane i: nil beyond its end, on its wall the tangent. */
+/* Puts a table's cubic at d into lane i: nil beyond its end, on its wall the tangent, which ends at
+ * the first point. */
 static inline void put_cubic(cubics *cubic, size_t i, haft_table_head head, const piece *guess,
                              double d) {
     static const piece NIL;
     bool beyond = guess == NULL, wall = d < head.first;
     const piece *p = beyond ? &NIL : wall ? head.table->piece : correct(head.table, guess, d);
     cubic->t[i] = beyond ? 0 : d - p->start;
+    cubic->end[i] = beyond || wall ? 0 : p->cubic.width;
     cubic->c[0][i] = p->cubic.c[0];
     cubic->c[1][i] = p->cubic.c[1];
     cubic->c[2][i] = wall ? 0 : p->cubic.c[2];
     cubic->c[3][i] = wall ? 0 : p->cubic.c[3];
-    cubic->potential[i] = p->potential;
+    cubic->potential[i] = wall ? head.table->wall_potential : p->potential;
 }
 
 static inline haft_law_value value_in_lane(const cubics *cubic, size_t i) {
@@ -190,7 +223,7 @@ static inline haft_law_value value_in_lane(const cubics *cubic, size_t i) {
         .force = haft_hermite_value(&h, t),
         .slope = h.c[1] + t * (2 * h.c[2] + t * 3 * h.c[3]),
         .curvature = 2 * h.c[2] + 6 * h.c[3] * t,
-        .potential = cubic->potential[i] - haft_hermite_integral(&h, t),
+        .potential = cubic->potential[i] + haft_hermite_integral(&h, t, cubic->end[i]),
     };
 }
 
@@ -254,7 +287,7 @@ haft_law haft_law_from_table(const haft_law_table *table) {
                       .wall_distance = table->first,
                       .wall_force = p->cubic.c[0],
                       .wall_slope = p->cubic.c[1],
-                      .wall_potential = p->potential,
+                      .wall_potential = table->wall_potential,
                       .table = table};
 }
 
@@ -275,6 +308,35 @@ double haft_law_table_reach(const haft_law_table *table, double share) {
     double level = -share * table->f_max;
     const piece *p = last_at_most(table, offsetof(piece, least), level);
     return p->start + haft_hermite_solve(&p->cubic, level);
+}
+
+double haft_law_table_extent(const haft_law_table *table, double share) {
+    if (!(table->f_max > 0)) {
+        return end_of_push(table);
+    }
+    double level = share * table->f_max;
+    for (size_t i = table->pieces; i-- > 0;) {
+        const piece *p = &table->piece[i];
+        if (fabs(p->cubic.c[0]) > level) { /* and its right end is not */
+            return p->start + haft_hermite_solve(&p->cubic, copysign(level, p->cubic.c[0]));
+        }
+    }
+    return table->first;
+}
+
+haft_law_lengths haft_law_table_lengths(const haft_law_table *table) {
+    double f = table->f_max, range = table->range, edge = table->last, steepest = 0;
+    for (size_t i = table->pieces; i-- > 0;) { /* 4 f_max over the slope, as for the range */
+        double slope = haft_hermite_steepest(&table->piece[i].cubic);
+        if (slope * HAFT_LAW_WIDER * range > 4 * f) {
+            break;
+        }
+        steepest = fmax(steepest, slope);
+        edge = table->piece[i].start;
+    }
+    bool narrow = edge - table->first < 0.25 * (table->last - table->first);
+    return (haft_law_lengths){range, edge,
+                              f > 0 && narrow && steepest > 0 ? 4 * f / steepest : range};
 }
 
 double haft_law_table_range(const haft_law_table *table) {

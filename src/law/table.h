@@ -5,6 +5,9 @@
 
 #include "haft/law.h"
 
+/* A law is taken to have two lengths where they differ by at least so much. */
+#define HAFT_LAW_WIDER 10
+
 haft_law_value haft_law_table_evaluate(const haft_law_table *table, double d);
 
 /* What finds a table's piece, kept apart so that those of many tables lie side by side: a beam's
@@ -23,6 +26,8 @@ haft_table_head haft_law_table_head(const haft_law_table *table);
 void haft_law_tables_evaluate(const haft_table_head *head, size_t n, const double *d,
                               const haft_law_values *out);
 double haft_law_table_reach(const haft_law_table *table, double share);
+double haft_law_table_extent(const haft_law_table *table, double share);
+haft_law_lengths haft_law_table_lengths(const haft_law_table *table);
 double haft_law_table_range(const haft_law_table *table);
 
 #endif

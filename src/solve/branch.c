@@ -275,12 +275,14 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->moved = INFINITY;
     step->defect = INFINITY;
     step->allowed = 0;
+    step->failure = HAFT_OUTCOME_NOT_CONVERGED;
     if (t->at > 0 && !haft_zone_is_clear(t, t->next.u)) {
         return HAFT_STEP_LEAVES; /* on to a wider mesh, before any work is done on this one */
     }
     if (!haft_corrector_solve(t, step->control, value, &t->next)) {
         return HAFT_STEP_REJECTED;
     }
+    step->failure = HAFT_OUTCOME_BRANCH_LOST;
     step->moved = haft_tracker_way(t, t->next.gap, t->gap_predicted);
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
@@ -291,8 +293,10 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     }
     step->inertia = haft_branch_certify(t);
     if (step->inertia.negative < 0) {
+        step->failure = HAFT_OUTCOME_SINGULAR;
         return HAFT_STEP_REJECTED;
     }
+    step->failure = HAFT_OUTCOME_FOLD_LOST;
     haft_branch_derive(t, &t->next, step->control, -step->sign, &t->end);
     haft_branch_book(t, step);
     bool turned = t->end.load1 * step->sign * direction <= 0;
@@ -303,8 +307,10 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
         return HAFT_STEP_REJECTED;
     }
     if (fabs(step->defect) > step->allowed) {
+        step->failure = HAFT_OUTCOME_LEDGER_OPEN;
         return HAFT_STEP_AMISS;
     }
+    step->failure = HAFT_OUTCOME_STEP_STALLED;
     double depth = 1, where = 0;
     if (step->control.site != NULL &&
         fabs(step->dtau) * t->model->gap > DIP_STEP * t->range[step->control.index]) {

@@ -28,6 +28,9 @@ enum { RISES = 2 };
  * energy_unit / gap: an unloaded beam far above its substrate has none. */
 #define LEAST_FORCE 1e-3
 
+/* What rounding makes of a control's value, as a share of the terms that it is the sum of. */
+#define VALUE_ROUNDING 0x1p-51
+
 struct haft_corrector {
     haft_tracker *tracker;
     size_t n; /* unknowns, of which the tracker's move; the load comes after them */
@@ -300,6 +303,23 @@ static double rounding_floor(const haft_tracker *t, const double *u) {
     return 4 * 0x1p-52 * largest;
 }
 
+/* The length that the control's residual is measured by, scaled. Where the gap is very large beside
+ * the range of the law, the tolerance's share of that range lies below the rounding of the
+ * control's own value, which no iteration can get below: then the length is larger by as much. */
+static double control_length(const haft_tracker *t, haft_control control, double value,
+                             const double *u) {
+    const haft_site *site = control.site;
+    if (site == NULL) {
+        return fmax(fabs(value), 1);
+    }
+    double size = fabs(value);
+    for (int k = 0; k < site->terms; k++) {
+        size += fabs(site->shape[k] * u[site->dof[k]]) / t->model->gap;
+    }
+    double least = VALUE_ROUNDING * size / t->options.residual_tolerance;
+    return fmax(t->range[control.index] / t->model->gap, least);
+}
+
 /* A stiffness at the control that outweighs any softening of its own law. */
 static double border_stiffness(const haft_tracker *t, haft_control control) {
     if (control.site == NULL) {
@@ -341,13 +361,11 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     c->evaluated = true;
     memcpy(t->gap_predicted, t->gap, t->model->sites * sizeof(double));
     force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
-    double control_length =
-        control.site == NULL ? fmax(fabs(value), 1) : t->range[control.index] / t->model->gap;
     double *scale = N_VGetArrayPointer(c->f_scale);
     for (size_t i = 0; i < c->n; i++) {
         scale[i] = 1 / force;
     }
-    scale[c->n] = 1 / control_length;
+    scale[c->n] = 1 / control_length(t, control, value, y);
     double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
     bool solved = run_kinsol(c, tolerance);
     if (!solved && c->finite) { /* the floor at the start, at rest say, can be far too low */

@@ -39,6 +39,9 @@ enum { HELD_STEPS = 8, SPARE_SITES = 8, LEAST_SPARE = 2 };
 /* A flow that has come back this near to its fold, in lengths, is taken to rest no nearer. */
 #define LEAST_WAY 1e-4
 
+/* The first step's size where the forces tell of none, in scaled time: small beside any decay. */
+#define FIRST_STEP 1e-9
+
 /* Bounds of a change of the step size, and its margin. After a step that had to be shorter none
  * grows (Hairer and Wanner 1996): what it met is still ahead. */
 #define GROWTH 6.0
@@ -202,7 +205,7 @@ static double depart(haft_tracker *t, haft_state *from, const double *away, doub
         }
     }
     *move = HAFT_DEPARTURE_MOVE;
-    return isnan(depart_by(t, from, away, *move)) ? NAN : 1e-9;
+    return isnan(depart_by(t, from, away, *move)) ? NAN : FIRST_STEP;
 }
 
 static void swap(haft_state *a, haft_state *b) {
@@ -330,15 +333,25 @@ static haft_outcome give_up(const haft_tracker *t, const landing *l) {
     return l->dt > 1e-40 ? HAFT_OUTCOMES : HAFT_OUTCOME_FLOW_STALLED;
 }
 
+/* Puts the flow off the fold, or, with `away` NULL, where it starts by its own forces: that may be
+ * so near to rest that it has nowhere to go. @return HAFT_OUTCOMES if it is to be followed. */
+static haft_outcome set_out(haft_tracker *t, landing *l, const double *away) {
+    l->to->load = t->here.load;
+    if (away != NULL) {
+        l->dt = depart(t, l->from, away, &l->departure);
+        l->allowed = fmin(t->options.flow_step, ERROR_SHARE * l->departure);
+        return isnan(l->dt) ? HAFT_OUTCOME_NOT_FINITE : HAFT_OUTCOMES;
+    }
+    memcpy(l->from->u, t->here.u, t->n * sizeof(double));
+    l->from->load = t->here.load;
+    l->dt = FIRST_STEP;
+    l->allowed = t->options.flow_step;
+    return haft_tracker_visit(t, l->from) ? finish(t, l) : HAFT_OUTCOME_NOT_FINITE;
+}
+
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
     landing l = {.from = &t->spare, .to = &t->next, .growth = GROWTH};
-    l.dt = depart(t, l.from, away, &l.departure);
-    if (isnan(l.dt)) {
-        return HAFT_OUTCOME_NOT_FINITE;
-    }
-    l.to->load = l.from->load;
-    l.allowed = fmin(t->options.flow_step, ERROR_SHARE * l.departure);
-    haft_outcome outcome = HAFT_OUTCOMES;
+    haft_outcome outcome = set_out(t, &l, away);
     for (*steps = 0; *steps < FLOW_STEPS && outcome == HAFT_OUTCOMES;) {
         flow_step step = {l.dt, 0};
         double error = try_step(t, l.from, l.to, l.dt, l.allowed, &step.move);

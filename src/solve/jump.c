@@ -11,7 +11,10 @@
  *
  * Crowded fold: several eigenvalues vanish at once (sites alike and apart). The branch is left in
  * the direction in which it was moving, which holds all the null vectors in the shares the load
- * gives them. */
+ * gives them.
+ *
+ * And a path begins with one where the unloaded beam is pulled from its place by what it feels
+ * there. */
 #include "walker.h"
 
 #include <math.h>
@@ -29,8 +32,10 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
     jump->kind = closing > 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT;
 }
 
-/* From `here` along t->null to where the flow leads; the load stays, its work goes on. */
-static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, double fold_defect) {
+/* From `here` along `away` (NULL: by its forces) to where the flow leads; the load stays, its work
+ * goes on. t->null tells which site moves most. */
+static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, const double *away,
+                                   double fold_defect) {
     haft_tracker *t = w->t;
     haft_zone_enter(t, t->at); /* a jump may move what its branch did not */
     haft_jump jump = {.phase = w->phase,
@@ -46,10 +51,16 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, dou
     double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
     haft_model_gaps(t->model, t->here.u, t->gap_before);
     size_t at = t->at;
-    haft_outcome outcome = haft_flow_land(t, t->null, &jump.flow_steps);
+    haft_outcome outcome = haft_flow_land(t, away, &jump.flow_steps);
     if (outcome != HAFT_OUTCOME_STUCK) {
         haft_zone_enter(t, at);
         return outcome;
+    }
+    if (departure != HAFT_DEPARTURE_FOLD) { /* it was searched for with ever shorter steps */
+        w->eta = t->options.gap_step;
+    }
+    if (departure == HAFT_DEPARTURE_REST && jump.flow_steps == 0) {
+        return HAFT_OUTCOME_STUCK; /* no jump */
     }
     double work = t->here.load * t->model->energy_unit *
                   (haft_tracker_row(t, &t->model->load, t->here.u) - deflection);
@@ -94,7 +105,7 @@ haft_outcome haft_jump_at_fold(haft_walker *w, const haft_step *step, double def
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] *= step->sign;
     }
-    return jump_from_here(w, HAFT_DEPARTURE_FOLD, defect);
+    return jump_from_here(w, HAFT_DEPARTURE_FOLD, t->null, defect);
 }
 
 /* Pi at the load of `here`, at here + amplitude * null. */
@@ -137,7 +148,7 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] *= sign;
     }
-    return jump_from_here(w, HAFT_DEPARTURE_BIFURCATION, 0);
+    return jump_from_here(w, HAFT_DEPARTURE_BIFURCATION, t->null, 0);
 }
 
 haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
@@ -150,7 +161,19 @@ haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
     }
     double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, t->null, NULL);
     if (!(energy_beside(t, amplitude) < energy_beside(t, 0))) {
-        return HAFT_OUTCOME_STEP_STALLED; /* the branch does not end here: the step failed */
+        return step->failure; /* the branch does not end here */
     }
-    return jump_from_here(w, HAFT_DEPARTURE_CROWDED, 0);
+    return jump_from_here(w, HAFT_DEPARTURE_CROWDED, t->null, 0);
+}
+
+haft_outcome haft_jump_from_rest(haft_walker *w) {
+    haft_tracker *t = w->t;
+    if (!haft_tracker_visit(t, &t->here)) {
+        return HAFT_OUTCOME_NOT_FINITE;
+    }
+    w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
+    for (size_t i = 0; i < t->n; i++) {
+        t->null[i] = -t->gradient[i];
+    }
+    return jump_from_here(w, HAFT_DEPARTURE_REST, NULL, 0);
 }

@@ -16,14 +16,18 @@ typedef struct measured_lanes {
     octet motion, length;
 } measured_lanes;
 
-/* Which gaps are measured: from `gap` by motions, or by the way to other gaps. */
+/* Which gaps are measured: from `gap` by motions, or by the way to other gaps; in step lengths or
+ * in lengths. */
 typedef struct gap_moves {
     const double *gap, *motion, *to; /* one of the last two is NULL */
+    bool for_step;
 } gap_moves;
 
 HAFT_INLINE measured measure(const haft_tracker *t, const gap_moves *moves, size_t r) {
     double motion = moves->to != NULL ? moves->to[r] - moves->gap[r] : moves->motion[r];
-    return (measured){fabs(motion), haft_tracker_length(t, r, moves->gap[r])};
+    double gap = moves->gap[r];
+    return (measured){fabs(motion), moves->for_step ? haft_tracker_step_length(t, r, gap)
+                                                    : haft_tracker_length(t, r, gap)};
 }
 
 /* Takes those of `from` that are greater, by their lengths, than the ones so far. */
@@ -41,8 +45,15 @@ HAFT_INLINE void measure_lanes(const haft_tracker *t, const gap_moves *moves, si
     motion -= moves->to != NULL ? gap : nil;
     octet beyond = gap - *(const octet *)(t->far + r);
     beyond = (octet)((octet_bits)beyond & (beyond > nil));
+    if (moves->for_step) {
+        octet behind = *(const octet *)(t->wall + r) - gap;
+        beyond += (octet)((octet_bits)behind & (behind > nil)); /* one of the two is 0 */
+    }
     out->motion = (octet)((octet_bits)motion & INT64_MAX);
-    out->length = *(const octet *)(t->range + r) + beyond;
+    octet past = gap - *(const octet *)(t->edge + r), wide = *(const octet *)(t->wide + r);
+    octet length = *(const octet *)(t->range + r) + (octet)((octet_bits)past & (past > nil));
+    const octet_bits less = length < wide;
+    out->length = (octet)(((octet_bits)length & less) | ((octet_bits)wide & ~less)) + beyond;
 }
 
 static measured the_greater(measured a, measured b) {
@@ -87,31 +98,46 @@ HAFT_INLINE measured greatest(const haft_tracker *t, const gap_moves *moves) {
 
 HAFT_CLONES static measured greatest_motion(const haft_tracker *t, const double *gap,
                                             const double *motion) {
-    return greatest(t, &(gap_moves){gap, motion, NULL});
+    return greatest(t, &(gap_moves){gap, motion, NULL, false});
+}
+
+HAFT_CLONES static measured greatest_step(const haft_tracker *t, const double *gap,
+                                          const double *motion) {
+    return greatest(t, &(gap_moves){gap, motion, NULL, true});
 }
 
 HAFT_CLONES static measured greatest_way(const haft_tracker *t, const double *gap,
                                          const double *to) {
-    return greatest(t, &(gap_moves){gap, NULL, to});
+    return greatest(t, &(gap_moves){gap, NULL, to, false});
+}
+
+/* The first site that the greatest motion is of. */
+static size_t whose(const haft_tracker *t, const gap_moves *moves, measured most) {
+    for (size_t r = t->model->inert; r + 1 < t->model->sites; r++) {
+        measured m = measure(t, moves, r);
+        if (m.motion == most.motion && m.length == most.length) {
+            return r;
+        }
+    }
+    return t->model->sites - 1;
 }
 
 double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
                              size_t *site) {
-    measured most = greatest_motion(t, gap, motion);
-    if (site != NULL && most.motion > 0) {
-        *site = t->model->inert;
-        while (*site + 1 < t->model->sites &&
-               (fabs(motion[*site]) != most.motion ||
-                haft_tracker_length(t, *site, gap[*site]) != most.length)) {
-            ++*site;
-        }
+    measured most = greatest_step(t, gap, motion);
+    if (most.motion > 0) {
+        *site = whose(t, &(gap_moves){gap, motion, NULL, true}, most);
     }
     return most.motion / most.length;
 }
 
 double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site) {
     haft_model_displacements(t->model, v, t->site[0]);
-    return haft_tracker_greatest(t, gap, t->site[0], site);
+    measured most = greatest_motion(t, gap, t->site[0]);
+    if (site != NULL && most.motion > 0) {
+        *site = whose(t, &(gap_moves){gap, t->site[0], NULL, false}, most);
+    }
+    return most.motion / most.length;
 }
 
 double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to) {
@@ -132,10 +158,11 @@ static size_t last_moved(const haft_tracker *t, const gap_moves *moves, double l
 
 size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to,
                           double least) {
-    return last_moved(t, &(gap_moves){gap, NULL, to}, least);
+    return last_moved(t, &(gap_moves){gap, NULL, to, false}, least);
 }
 
 size_t haft_tracker_stirred(const haft_tracker *t, double share) {
-    double most = haft_tracker_greatest(t, t->here.gap, t->motion, NULL);
-    return last_moved(t, &(gap_moves){t->here.gap, t->motion, NULL}, share * most);
+    measured most = greatest_motion(t, t->here.gap, t->motion);
+    return last_moved(t, &(gap_moves){t->here.gap, t->motion, NULL, false},
+                      share * (most.motion / most.length));
 }

@@ -14,6 +14,9 @@
 #define STILL_MOST 0.85
 enum { SPARE_SITES = 8, WORTH_SITES = 32 };
 
+/* A wall pressed in by so many ranges more than the gap is pressed through. */
+#define DEEP_RANGES 100
+
 void haft_walker_swap(haft_tracker *t) {
     haft_state state = t->here;
     t->here = t->next;
@@ -90,6 +93,21 @@ void haft_walker_narrow(haft_walker *w, const double *before) {
     hold(w);
 }
 
+/* Whether the load, which nothing limits, presses a wall in deeper than the gap is high: it will
+ * not reach the crack length asked for. */
+static bool is_pressed_through(const haft_walker *w) {
+    const haft_tracker *t = w->t;
+    if (w->direction < 0 || isfinite(t->programme.load_limit)) {
+        return false;
+    }
+    for (size_t r = t->model->inert; r < t->model->sites; r++) {
+        if (t->wall[r] - t->here.gap[r] > t->whole->gap + DEEP_RANGES * t->range[r]) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Follows one phase to its end. @return STUCK when it ended as asked. */
 static haft_outcome follow(haft_walker *w) {
     for (;;) {
@@ -98,6 +116,9 @@ static haft_outcome follow(haft_walker *w) {
         }
         if (w->t->cost.steps + w->t->cost.flow_steps > w->t->options.step_limit) {
             return HAFT_OUTCOME_STEP_LIMIT;
+        }
+        if (is_pressed_through(w)) {
+            return HAFT_OUTCOME_CRACK_UNREACHED;
         }
         haft_outcome outcome = haft_walker_advance(w);
         if (outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE && w->t->not_finite > 0) {
@@ -124,19 +145,18 @@ static bool touches(const haft_tracker *t) {
 
 static haft_outcome walk(haft_walker *w) {
     haft_tracker *t = w->t;
-    haft_control load = {NULL, 0};
-    if (!haft_corrector_solve(t, load, 0, &t->here)) {
-        return t->not_finite > 0 ? HAFT_OUTCOME_NOT_FINITE : HAFT_OUTCOME_STEP_STALLED;
-    }
-    if (haft_branch_certify(t).negative != 0) {
-        return HAFT_OUTCOME_STEP_STALLED;
+    haft_outcome outcome = haft_jump_from_rest(w);
+    if (outcome != HAFT_OUTCOME_STUCK || w->failed) {
+        return t->not_finite > 0 ? HAFT_OUTCOME_NOT_FINITE : outcome;
     }
     t->needs_refinement = haft_branch_loses_digits(t);
     haft_branch_certify(t);
-    w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
-    haft_walker_record(w, -1);
+    if (w->path->points == 0) { /* no jump */
+        w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
+        haft_walker_record(w, -1);
+    }
     w->eta = t->options.gap_step;
-    haft_outcome outcome = follow(w);
+    outcome = follow(w);
     w->path->turn = w->path->points > 0 ? w->path->points - 1 : 0;
     if (outcome != HAFT_OUTCOME_STUCK || w->failed) {
         return outcome;
@@ -151,13 +171,33 @@ static haft_outcome walk(haft_walker *w) {
     return touches(t) ? HAFT_OUTCOME_STUCK : HAFT_OUTCOME_FREE;
 }
 
+static haft_status check_programme(const haft_programme *programme, haft_error *error) {
+    if (!(programme->crack_threshold > 0 && programme->crack_threshold < 1)) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT, "the crack threshold %g is not in (0, 1)",
+                              programme->crack_threshold);
+    }
+    if (!(programme->load_limit > 0)) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                              "the load limit %g N is not positive; INFINITY stands for none",
+                              programme->load_limit);
+    }
+    double length = programme->crack_length;
+    if (!isfinite(length) || (!(length > 0) && isinf(programme->load_limit))) {
+        return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                              "the crack length %g m to load to is not positive, and no load limit "
+                              "ends the loading",
+                              length);
+    }
+    return HAFT_OK;
+}
+
 haft_status haft_solve_path(haft_path **out, const haft_model *model, const haft_law *laws,
                             const haft_programme *programme, const haft_path_options *options,
                             haft_error *error) {
     *out = NULL;
-    if (!(programme->crack_threshold > 0 && programme->crack_threshold < 1)) {
-        return haft_error_set(error, HAFT_ERROR_ARGUMENT, "the crack threshold %g is not in (0, 1)",
-                              programme->crack_threshold);
+    haft_status checked = check_programme(programme, error);
+    if (checked != HAFT_OK) {
+        return checked;
     }
     haft_walker w = {.phase = 0, .direction = 1, .error = error};
     haft_status status = haft_tracker_create(&w.t, model, laws, programme, options, error);

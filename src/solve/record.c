@@ -5,6 +5,10 @@
 #include <math.h>
 #include <string.h>
 
+/* Work below this share of the energies is nearly nothing: rounding of the energies would show in
+ * the ledger. */
+#define NEGLIGIBLE_WORK 1e-6
+
 /* Doubles an array so that it holds at least `need` items. */
 static haft_status grow(void **array, size_t held, size_t *capacity, size_t need, size_t size,
                         haft_error *error) {
@@ -63,6 +67,8 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
     double gained = t->here.energy.strain + t->here.energy.contact - ledger->energy_start;
     double missing = fabs(ledger->work - ledger->dissipated - gained);
     ledger->worst = fmax(ledger->worst, missing);
+    ledger->greatest =
+        fmax(ledger->greatest, fabs(t->here.energy.strain) + fabs(t->here.energy.contact));
     t->ledger_left = fmax(0, t->options.ledger_tolerance * ledger->turnover - missing);
     path->point[path->points] = (haft_path_point){
         .load = t->here.load * t->load_unit,
@@ -119,7 +125,8 @@ haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledg
         return HAFT_ERROR_MEMORY;
     }
     copy_state(t, path->final_state);
-    path->ledger_error = ledger->turnover > 0 ? ledger->worst / ledger->turnover : 0;
+    double scale = fmax(ledger->turnover, NEGLIGIBLE_WORK * ledger->greatest);
+    path->ledger_error = scale > 0 ? ledger->worst / scale : 0;
     path->cost = t->cost;
     bool stuck = path->outcome == HAFT_OUTCOME_STUCK && t->model->nodes > 1 && path->points > 0;
     bool solved =
@@ -144,8 +151,31 @@ void haft_path_destroy(haft_path **path) {
 }
 
 const char *haft_outcome_name(haft_outcome outcome) {
-    static const char *const name[HAFT_OUTCOMES] = {"stuck",           "free",       "step stalled",
-                                                    "flow stalled",    "step limit", "not finite",
-                                                    "active zone left"};
+    static const char *const name[HAFT_OUTCOMES] = {
+        "stuck",           "free",       "step stalled",     "flow stalled",
+        "step limit",      "not finite", "active zone left", "not converged",
+        "branch lost",     "singular",   "ledger open",      "limit point not located",
+        "crack unreached",
+    };
     return (unsigned)outcome < HAFT_OUTCOMES ? name[outcome] : "unknown";
+}
+
+const char *haft_outcome_advice(haft_outcome outcome) {
+    static const char *const advice[HAFT_OUTCOMES] = {
+        "",
+        "",
+        "ask for a slightly different load limit or crack length",
+        "look for a law that is nearly flat, and for a beam that is nearly without stiffness",
+        "look for a law with very many points or very noisy ones, or allow more steps",
+        "look for a law or a number of the beam that is beyond all bounds",
+        "use the exact mesh",
+        "look for a law that is very steep beside the beam's stiffness, and for a gap beyond 1e8 "
+        "times the range of a law",
+        "look for a law with a kink that is much narrower than its range",
+        "look for elements of very different lengths, and for a beam that nothing holds",
+        "look for a law that is very steep beside the others, or allow the ledger more",
+        "look for a law with a kink that is much narrower than its range",
+        "ask for a longer crack, limit the load, or put the load farther from the clamp",
+    };
+    return (unsigned)outcome < HAFT_OUTCOMES ? advice[outcome] : "";
 }

@@ -11,6 +11,7 @@ typedef struct haft_ledger {
     double turnover;     /* sum of |work| */
     double energy_start; /* strain + contact at rest */
     double worst;        /* greatest |work - dissipated - energy gained| so far */
+    double greatest;     /* greatest |strain energy| + |contact energy| so far */
 } haft_ledger;
 
 /* Enters t->here, certified, as an accepted point. */

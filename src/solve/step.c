@@ -22,6 +22,11 @@
  * of them ahead. */
 #define GROWTH 1.3
 
+/* A gap is on a kink of its law within this share of the law's range, but no step can bring it
+ * nearer than the rounding of gaps, as a share of the height that they are measured from. */
+#define KINK_NEAR 1e-9
+#define GAP_ROUNDING 0x1p-49
+
 /* A gap that moves less than this share of the largest move does not choose where a step ends. */
 #define KINK_SHARE 0.05
 
@@ -61,7 +66,7 @@ static void depart(haft_walker *w, haft_step *step) {
     double size = 1;
     if (site != NULL) {
         double length =
-            haft_tracker_length(t, step->control.index, t->here.gap[step->control.index]);
+            haft_tracker_step_length(t, step->control.index, t->here.gap[step->control.index]);
         size = w->eta * length / t->model->gap;
     }
     step->dtau = step->sign * size;
@@ -69,10 +74,10 @@ static void depart(haft_walker *w, haft_step *step) {
 
 /* Share of the step at which a gap, moving from d by first- and second-order amounts a and b,
  * passes a kink; above 1 if it does not, or if it sets out the other way and turns: by that gap as
- * the control the kink lies behind. */
-static double passing_share(double d, double a, double b, double kink, double range) {
+ * the control the kink lies behind. A gap within `near` of the kink is on it. */
+static double passing_share(double d, double a, double b, double kink, double near) {
     double end = d + a + b, to = kink - d;
-    if (fabs(to) < 1e-9 * range || to * (kink - end) >= 0 || to * a <= 0) {
+    if (fabs(to) < near || to * (kink - end) >= 0 || to * a <= 0) {
         return 2;
     }
     double share = to / (end - d);
@@ -100,8 +105,9 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
         double curving = haft_model_displacement(&m->site[r], t->start.u2);
         double b = -0.5 * curving * step->dtau * step->dtau;
         const double kink[2] = {law->d_max, law->wall_distance};
+        double near = fmax(KINK_NEAR * t->range[r], GAP_ROUNDING * m->gap);
         for (int k = 0; k < 2; k++) {
-            double share = passing_share(d[r], a, b, kink[k], t->range[r]);
+            double share = passing_share(d[r], a, b, kink[k], near);
             if (share < first) {
                 first = share;
                 target = d[r] - kink[k];

@@ -150,7 +150,7 @@ static haft_path_options resolve(const haft_path_options *given) {
 
 /* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
  * by the same walk. */
-enum { VECTORS = 21, SITE_VECTORS = 12 + HAFT_SITE_SCRATCH };
+enum { VECTORS = 21, SITE_VECTORS = 15 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
                              &t->null,       &t->scratch[0],     &t->scratch[1], &t->scratch[2],
@@ -163,10 +163,10 @@ static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
 
 static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
     double **all[SITE_VECTORS] = {
-        &t->range,    &t->reach,          &t->far,     &t->nil,           &t->gap_before,
-        &t->gap,      &t->site_stiffness, &t->motion,  &t->gap_predicted, &t->here.gap,
-        &t->next.gap, &t->spare.gap,      &t->site[0], &t->site[1],       &t->site[2],
-        &t->site[3],  &t->site[4]};
+        &t->range,   &t->edge,          &t->wide,       &t->reach,    &t->far,
+        &t->nil,     &t->wall,          &t->gap_before, &t->gap,      &t->site_stiffness,
+        &t->motion,  &t->gap_predicted, &t->here.gap,   &t->next.gap, &t->spare.gap,
+        &t->site[0], &t->site[1],       &t->site[2],    &t->site[3],  &t->site[4]};
     memcpy(vector, all, sizeof all);
 }
 
@@ -205,7 +205,7 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     return HAFT_OK;
 }
 
-/* Share of the greatest pull below which a law counts as next to nil, for the step's size. */
+/* Share of the greatest pull below which a force hardly counts, for the step's size. */
 #define FAINT_SHARE 1e-3
 
 /* And below which it is lost in the rounding of the others. */
@@ -213,10 +213,14 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
 
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t r = 0; r < t->model->sites; r++) {
-        t->range[r] = haft_law_range(&t->laws[r]);
+        haft_law_lengths lengths = haft_law_find_lengths(&t->laws[r]);
+        t->range[r] = lengths.range;
+        t->edge[r] = lengths.edge;
+        t->wide[r] = lengths.wide;
         t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
-        t->far[r] = haft_law_reach(&t->laws[r], FAINT_SHARE);
-        t->nil[r] = haft_law_reach(&t->laws[r], LOST_SHARE);
+        t->far[r] = haft_law_extent(&t->laws[r], FAINT_SHARE);
+        t->nil[r] = haft_law_extent(&t->laws[r], LOST_SHARE);
+        t->wall[r] = t->laws[r].wall_distance;
         if (!(t->range[r] > 0) || !isfinite(t->range[r] + t->far[r] + t->reach[r])) {
             return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                                   "the law of site %zu has no finite range", r);

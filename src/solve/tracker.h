@@ -74,8 +74,11 @@ typedef struct haft_tracker {
     haft_path_options options;
     haft_programme programme;
     double load_unit;                    /* energy_unit / gap [N] */
-    double *range, *reach;               /* of each site: its law's range; felt within [m] */
-    double *far, *nil;                   /* next to nil beyond; nil to the last digit beyond [m] */
+    double *range, *edge, *wide;         /* of each site: the lengths of its law [m] */
+    double *reach;                       /* it is felt within [m] */
+    double *far;                         /* its force is below 1e-3 of f_max beyond [m] */
+    double *nil;                         /* and below 1e-16 of it beyond [m] */
+    double *wall;                        /* its law is linear below [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
     struct {
         double *gradient, *hessian;
@@ -165,19 +168,27 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 /* Adds factor * row' of a site to v. */
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
 
-/* The length over which a site's force changes at gap d, longer the farther it is out of reach. */
+/* The length over which a site's force changes at gap d: the law's own, but no longer than leads
+ * just behind its edge; longer the farther the gap is out of reach. */
 static inline double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
-    double beyond = d - t->far[site];
-    return t->range[site] + (beyond > 0 ? beyond : 0);
+    double beyond = d - t->far[site], past = d - t->edge[site];
+    double length = t->range[site] + (past > 0 ? past : 0);
+    return (length < t->wide[site] ? length : t->wide[site]) + (beyond > 0 ? beyond : 0);
 }
 
-/* Largest of the sites' motions [m] at the gaps given, in the lengths above, and whose it is (site
- * may be NULL). */
+/* The length over which a site's slope changes at gap d: that above, or how deep the gap is in the
+ * law's wall, where the force is linear. A step may be as long as this. */
+static inline double haft_tracker_step_length(const haft_tracker *t, size_t site, double d) {
+    double behind = t->wall[site] - d, length = haft_tracker_length(t, site, d);
+    return behind > 0 ? t->range[site] + behind : length;
+}
+
+/* Largest of the sites' motions [m] at the gaps given, in step lengths, and whose it is. */
 double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
                              size_t *site);
 
-/* The same for the motions that a displacement v of the unknowns makes, and for those from one
- * state's gaps to another's. */
+/* Largest of the motions that a displacement v of the unknowns makes, in lengths, and whose it is
+ * (site may be NULL); and of those from one state's gaps to another's. */
 double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site);
 double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to);
 
@@ -293,11 +304,12 @@ typedef struct haft_step {
     int sign;     /* of dtau */
     bool at_kink; /* it was to end on a law's kink */
     double dtau;
-    double work;    /* of the load [J] */
-    double defect;  /* energy gained - work [J] */
-    double allowed; /* what the defect may be [J] */
-    double dip;     /* share of dtau at which the load's rate is least */
-    double moved;   /* largest way of a gap between prediction and solution, in lengths */
+    double work;          /* of the load [J] */
+    double defect;        /* energy gained - work [J] */
+    double allowed;       /* what the defect may be [J] */
+    double dip;           /* share of dtau at which the load's rate is least */
+    double moved;         /* largest way of a gap between prediction and solution, in lengths */
+    haft_outcome failure; /* what the path ends with if no shorter step is better */
     haft_inertia inertia;
 } haft_step;
 
@@ -323,8 +335,10 @@ bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *d
  * --------------------------------------------------------------------------------------- */
 
 /* Follows M u' = -grad Pi at the load of `here` from here + a little of `away` until it rests in a
- * stable, certified equilibrium, which goes into `here`. @return HAFT_OUTCOME_STUCK when landed,
- * else why not. */
+ * stable, certified equilibrium, which goes into `here`. With `away` NULL it starts from `here`
+ * itself, which is no equilibrium; no steps are made if Newton's step from there is small. The gaps
+ * of `here` are in t->gap_before.
+ * @return HAFT_OUTCOME_STUCK when landed, else why not. */
 haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps);
 
 #endif

@@ -60,4 +60,8 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step);
  * could be reached. */
 haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step);
 
+/* Begins the path: from u = 0 without load to where the flow leads, as a jump if it makes any
+ * steps. `here` is then certified, and recorded if it was a jump. */
+haft_outcome haft_jump_from_rest(haft_walker *w);
+
 #endif

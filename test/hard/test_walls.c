@@ -4,6 +4,7 @@
  * a closed form; in front of it, the wall's height must not matter at all. A gap is known to
  * the rounding of the height h it is measured from, so a step's energy to force * h * 2^-53 at
  * best: no ledger may ask for more where the law's range is h / 1e5. */
+#include "from_rest.h"
 #include "haft/solve.h"
 #include "single_spring.h"
 
@@ -43,10 +44,11 @@ static void a_spring_behind_a_steep_wall(void **state) {
             check_ok(haft_solve_path(&path, model, &law, &programme, &options, &error), error);
             double in = fold_load(&law, k, gap, area, true);
             double out = fold_load(&law, k, gap, area, false);
-            assert_int_equal(path->jumps, out > 0 ? 2 : 1);
-            check_relative(path->jump[0].load, in, 1e-10);
+            size_t first = jumps_from_rest(path);
+            assert_int_equal(path->jumps, first + (out > 0 ? 2 : 1));
+            check_relative(path->jump[first].load, in, 1e-10);
             if (out > 0) {
-                check_near(path->jump[1].load, out, 1e-10 * (in + area * f_max));
+                check_near(path->jump[first + 1].load, out, 1e-10 * (in + area * f_max));
             }
             double stiffness = -law.wall_slope * area, d0 = law.wall_distance;
             /* P = k (gap - d) + A wall + stiffness (d0 - d) */

@@ -3,6 +3,7 @@
  * that hold by their tip alone (a cantilever with one law at its end is a spring, with folds in
  * closed form), and laws that are nearly nothing (first-order perturbation). */
 #include "check.h"
+#include "from_rest.h"
 #include "haft/solve.h"
 
 static const haft_beam_spec BEAM = {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9};
@@ -190,9 +191,9 @@ static void a_tip_alone_sticks_by_closed_form(void **state) {
     }
 }
 
-/* Nearly nothing: pulls of a hundredth of a pascal and less over half a micrometre. No jump, no
- * loss, and the rest position is the sum of the pulls at the undeformed gap times the compliance,
- * to first order. */
+/* Nearly nothing: pulls of a hundredth of a pascal and less over half a micrometre. No jump and no
+ * loss but on the way from u = 0, and the rest position is the sum of the pulls at the undeformed
+ * gap times the compliance, to first order. */
 static void laws_that_are_nearly_nothing_only_perturb(void **state) {
     (void)state;
     haft_model *model = make_beam(&BEAM, 30e-6, 6e-6, 60e-6);
@@ -207,10 +208,10 @@ static void laws_that_are_nearly_nothing_only_perturb(void **state) {
             tip -= f0 * compliance(597e-6, model->site[r].x);
         }
         haft_path *path = follow(model, law, -1, 1e-5);
-        assert_int_equal(path->jumps, 0);
+        assert_int_equal(path->jumps, jumps_from_rest(path));
         assert_true(path->turned_by_load);
         haft_path_point top = path->point[path->turn], end = path->point[path->points - 1];
-        assert_true(end.dissipated == 0);
+        assert_true(end.dissipated == path->point[0].dissipated);
         check_near(end.work / top.work, 0, 1e-10);
         double w = haft_model_displacement(&model->site[99], path->final_state);
         double miss = fabs(w / tip - 1);

@@ -421,11 +421,18 @@ static void a_table_goes_on_as_a_wall(void **state) {
     check_relative(haft_law_evaluate(&law, d).force, -share * law.f_max, 1e-10);
     assert_true(haft_law_range(&law) > 0 && haft_law_range(&law) < x[POINTS - 1] - x[0]);
     haft_law_table_destroy(&table);
-    /* A rising start is held flat: the wall must not turn into a pull further down. */
-    double up[] = {1, 3, 1, -2, -1, 0}, gap[] = {0, 1, 2, 3, 4, 5};
-    check_ok(haft_law_table_create(&table, 6, gap, up, &error), error);
+    /* Points that rise are left out: the wall begins where the curve falls, and never ends. */
+    double up[] = {1, 3, 3, 1, -2, -1, 0}, gap[] = {0, 1, 2, 3, 4, 5, 6};
+    check_ok(haft_law_table_create(&table, 7, gap, up, &error), error);
     law = haft_law_from_table(table);
-    check_near(haft_law_evaluate(&law, -100).force, 1, 0);
+    check_near(law.wall_distance, 2, 0);
+    check_less(100, haft_law_evaluate(&law, -100).force);
+    haft_law_table_destroy(&table);
+    /* A start that hardly falls, before a steep fall, is a wall too. */
+    double slow[] = {3, 2.99, -2, -1, 0};
+    check_ok(haft_law_table_create(&table, 5, gap, slow, &error), error);
+    law = haft_law_from_table(table);
+    check_less(haft_law_evaluate(&law, 0).slope, -0.004);
     haft_law_table_destroy(&table);
 }
 
@@ -463,6 +470,11 @@ static void a_table_refuses_what_is_no_law(void **state) {
     check_refused(5, x, f, HAFT_ERROR_INPUT, "increasing");
     x[2] = 3, f[0] = -1;
     check_refused(5, x, f, HAFT_ERROR_INPUT, "needs a wall");
+    f[0] = 0;
+    check_refused(5, x, f, HAFT_ERROR_INPUT, "needs a wall");
+    double up[] = {1, 2, 3, 0.1, 0}, level[] = {1, 1, 1, 1, 1};
+    check_refused(5, x, up, HAFT_ERROR_INPUT, "needs a wall");
+    check_refused(5, x, level, HAFT_ERROR_INPUT, "needs a wall");
     f[0] = 3, f[4] = -0.19;
     haft_law_table *table = NULL;
     haft_error error = {0};

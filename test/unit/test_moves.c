@@ -8,7 +8,8 @@
 enum { MOST = 80 };
 
 typedef struct sites {
-    double range[MOST], far[MOST], gap[MOST], motion[MOST], to[MOST];
+    double range[MOST], edge[MOST], wide[MOST], far[MOST], wall[MOST], gap[MOST], motion[MOST],
+        to[MOST];
     haft_model model;
     haft_tracker tracker;
 } sites;
@@ -19,17 +20,30 @@ static void draw(sites *s, size_t inert, size_t n, uint64_t which) {
     for (size_t r = 0; r < MOST; r++) {
         haft_random_normals((haft_random_key){5, HAFT_RANDOM_TEST}, which, r, 0, 4, z);
         s->range[r] = 1e-9 * exp(z[0]);
+        s->edge[r] = 1.7e-8;
+        s->wide[r] = s->range[r] * (r % 3 == 0 ? 30 : 1);
         s->far[r] = 2e-8;
+        s->wall[r] = 1.5e-8;
         s->gap[r] = s->far[r] + 1e-8 * z[1];
         s->motion[r] = 1e-9 * z[2] * exp(z[3]);
         s->to[r] = s->gap[r] + s->motion[r];
     }
     s->model = (haft_model){.inert = inert, .sites = n};
-    s->tracker = (haft_tracker){.model = &s->model, .range = s->range, .far = s->far};
+    s->tracker = (haft_tracker){.model = &s->model,
+                                .range = s->range,
+                                .edge = s->edge,
+                                .wide = s->wide,
+                                .far = s->far,
+                                .wall = s->wall};
 }
 
 static double length_of(const sites *s, size_t r) {
-    return s->range[r] + fmax(s->gap[r] - s->far[r], 0);
+    double past = fmax(s->gap[r] - s->edge[r], 0), beyond = fmax(s->gap[r] - s->far[r], 0);
+    return fmin(s->range[r] + past, s->wide[r]) + beyond;
+}
+
+static double step_length_of(const sites *s, size_t r) {
+    return length_of(s, r) + fmax(s->wall[r] - s->gap[r], 0); /* the gap is before the edge then */
 }
 
 static void the_greatest_move_is_found(void **state) {
@@ -41,7 +55,7 @@ static void the_greatest_move_is_found(void **state) {
             double most = 0, way = 0;
             size_t whose = MOST, found = MOST;
             for (size_t r = inert; r < n; r++) {
-                double share = fabs(s.motion[r]) / length_of(&s, r);
+                double share = fabs(s.motion[r]) / step_length_of(&s, r);
                 whose = share > most ? r : whose;
                 most = fmax(most, share);
                 way = fmax(way, fabs(s.to[r] - s.gap[r]) / length_of(&s, r));
@@ -65,7 +79,7 @@ static void what_does_not_move_is_no_move(void **state) {
         s.motion[r] = NAN; /* passed over: what it comes of is told elsewhere */
         s.motion[r + 1] = -1e-9;
         double move = haft_tracker_greatest(&s.tracker, s.gap, s.motion, &found);
-        assert_true(move == 1e-9 / length_of(&s, r + 1));
+        assert_true(move == 1e-9 / step_length_of(&s, r + 1));
         assert_int_equal(found, r + 1);
     }
 }
