@@ -131,20 +131,29 @@ typedef struct stress_books {
     long double energy_start, turnover, most, rounding;
 } stress_books;
 
+/* Opens the books: at the first point, or at u = 0 if the path begins with a jump from there. */
+static inline stress_books stress_open_books(stress_oracle *o, const haft_path *path) {
+    double *rest = calloc(o->dofs, sizeof *rest);
+    bool jumped = path->points > 0 && path->point[0].jump >= 0;
+    stress_evaluate(o, jumped || path->points == 0 ? rest : path->state, 0);
+    free(rest);
+    return (stress_books){.energy_start = o->strain + o->contact,
+                          .most = fabsl(o->strain) + fabsl(o->contact),
+                          .rounding = o->rounding};
+}
+
 /* The ledger at point i, whose state was evaluated last, by the oracle's energies. */
 static inline void stress_check_ledger(const stress_oracle *o, const haft_path *path, size_t i,
                                        stress_books *books, stress_finding *f) {
     const haft_path_point *p = &path->point[i];
-    long double energy = o->strain + o->contact;
-    books->energy_start = i == 0 ? energy : books->energy_start;
     books->turnover += i == 0 ? 0 : fabs(p->work - path->point[i - 1].work);
     books->most = fmaxl(books->most, fabsl(o->strain) + fabsl(o->contact));
     books->rounding = fmaxl(books->rounding, o->rounding);
-    long double miss = fabsl(energy - books->energy_start - p->work + p->dissipated);
+    long double gained = o->strain + o->contact - books->energy_start;
     long double allowed = STRESS_LEDGER * books->turnover + 1e-13L * books->most +
                           STRESS_FLOORS * books->rounding +
                           STRESS_LEAST_ENERGY * stress_bending_force(o) * o->beam->spec.gap;
-    stress_note(f, STRESS_OPEN, miss / allowed, i);
+    stress_note(f, STRESS_OPEN, fabsl(gained - p->work + p->dissipated) / allowed, i);
 }
 
 /* On a stable branch the deflection under the load rises with the load, so that the work of a step
@@ -169,21 +178,23 @@ static inline void stress_check_step(const stress_oracle *o, const haft_path *pa
 }
 
 /* Jump at point i: it lost energy, and no more than the state before it had above the state after
- * it at the jump's load, since that state is above the fold's there. */
+ * it at the jump's load, since that state is above the fold's there. Before the first point is the
+ * beam at rest. */
 static inline void stress_check_jump(stress_oracle *o, const haft_path *path, size_t i,
                                      stress_finding *f) {
     const haft_jump *j = &path->jump[path->point[i].jump];
-    long double energy[2], allowed = 0;
-    for (size_t k = 0; k < 2; k++) {
-        const double *u = path->state + (i - 1 + k) * o->dofs;
-        stress_evaluate(o, u, j->load);
-        energy[k] = o->strain + o->contact - j->load * stress_displacement(&o->load, u);
+    double *zero = calloc(o->dofs, sizeof *zero);
+    const double *u[2] = {i == 0 ? zero : path->state + (i - 1) * o->dofs,
+                          path->state + i * o->dofs};
+    long double energy[2], allowed = 1e-9L * j->dissipated;
+    for (int k = 0; k < 2; k++) {
+        stress_evaluate(o, u[k], j->load);
+        energy[k] = o->strain + o->contact - j->load * stress_displacement(&o->load, u[k]);
         allowed += 1e-12L * (fabsl(o->strain) + fabsl(o->contact)) + STRESS_FLOORS * o->rounding;
     }
+    free(zero);
     stress_note(f, STRESS_UPHILL, j->dissipated > 0 ? 0 : INFINITY, i);
-    long double over = j->dissipated - (energy[0] - energy[1]);
-    allowed += 1e-9L * j->dissipated;
-    stress_note(f, STRESS_UPHILL, over / allowed, i);
+    stress_note(f, STRESS_UPHILL, (j->dissipated - (energy[0] - energy[1])) / allowed, i);
 }
 
 /* Follows the branch from point i - 1 to point i by small steps of the load, each finished by
@@ -241,8 +252,9 @@ static inline bool stress_check_landing(stress_oracle *o, const haft_model *m,
     return nearest <= 1;
 }
 
-/* The first point against the flow from u = 0 without load, where laws are felt at rest. */
-static inline void stress_check_start(stress_oracle *o, const haft_model *m, const haft_path *path,
+/* The first point against the flow from u = 0 without load, where laws are felt at rest.
+ * @return whether they agree */
+static inline bool stress_check_start(stress_oracle *o, const haft_model *m, const haft_path *path,
                                       stress_finding *f) {
     double *u = calloc(o->dofs, sizeof *u), *rest = malloc(o->dofs * sizeof *rest);
     stress_evaluate(o, u, 0);
@@ -255,13 +267,14 @@ static inline void stress_check_start(stress_oracle *o, const haft_model *m, con
     }
     free(u);
     free(rest);
+    return f->start_felt && !f->start_lost && f->worst[STRESS_START] <= 1;
 }
 
 /* Checks a whole path with its states; of its landings in simple folds `sample`, evenly, and ten
  * times as many of its steps. */
 static inline void stress_check_path(stress_oracle *o, const haft_model *m, const haft_path *path,
                                      size_t sample, stress_finding *f) {
-    stress_books books = {0};
+    stress_books books = stress_open_books(o, path);
     size_t every = sample > 0 ? (path->jumps + sample - 1) / sample : 0;
     size_t stride = sample > 0 ? path->points / (10 * sample) + 1 : 0;
     long double slack = 0, before = 0;
@@ -276,9 +289,9 @@ static inline void stress_check_path(stress_oracle *o, const haft_model *m, cons
         if (i > 0 && jump < 0 && stride > 0 && i % stride == 0) {
             stress_check_branch(o, m, path, i, f);
         }
-        if (i > 0 && jump >= 0) {
+        if (jump >= 0) {
             stress_check_jump(o, path, i, f);
-            if (every > 0 && (size_t)jump % every == 0 &&
+            if (i > 0 && every > 0 && (size_t)jump % every == 0 &&
                 path->jump[jump].departure == HAFT_DEPARTURE_FOLD) {
                 stress_check_landing(o, m, path, i, f);
             }

@@ -99,7 +99,7 @@ static inline long double stress_slope(const stress_law *l, size_t i) {
     if (i == 0) {
         double h0 = l->x[1] - l->x[0], h1 = l->x[2] - l->x[1];
         double s0 = stress_secant(l, 0), slope = s0 + (s0 - stress_secant(l, 1)) * h0 / (h0 + h1);
-        return s0 >= 0 || slope >= 0 ? 0 : fmax(slope, 3 * s0);
+        return fmax(fmin(slope, 0.5 * s0), 3 * s0);
     }
     double h0 = l->x[i] - l->x[i - 1], h1 = l->x[i + 1] - l->x[i];
     double s0 = stress_secant(l, i - 1), s1 = stress_secant(l, i);
@@ -149,13 +149,18 @@ static inline bool stress_law_morse(stress_law *l, double f_max, double d_max, d
     return true;
 }
 
-/* The table of n points, which are copied. @return false if the library refuses it. */
+/* The table of n points, which are copied, but for those at the start from which the curve rises.
+ * @return false if the library refuses it. */
 static inline bool stress_law_table(stress_law *l, size_t n, const double *x, const double *f,
                                     haft_error *error) {
     *l = (stress_law){.points = n};
     if (haft_law_table_create(&l->table, n, x, f, error) != HAFT_OK) {
         return false;
     }
+    while (f[1] >= f[0]) {
+        x++, f++, n--;
+    }
+    l->points = n;
     l->x = malloc(2 * n * sizeof *l->x);
     l->f = l->x + n;
     memcpy(l->x, x, n * sizeof *x);

@@ -39,9 +39,11 @@ typedef struct stress_result {
     stress_run run[STRESS_MESHES];
 } stress_result;
 
-/* Outcomes that say what is the case. An active mesh may be left, and says so. */
+/* Outcomes that say what is the case and what to do: an active mesh may be left, and pressing
+ * without limit may not bring the crack asked for. */
 static inline bool stress_is_explained(haft_outcome outcome, int mesh) {
     return outcome == HAFT_OUTCOME_STUCK || outcome == HAFT_OUTCOME_FREE ||
+           outcome == HAFT_OUTCOME_CRACK_UNREACHED ||
            (outcome == HAFT_OUTCOME_ZONE_LEFT && mesh == STRESS_ACTIVE);
 }
 
@@ -122,31 +124,36 @@ static inline long double stress_meshes_apart(const stress_oracle *a, const doub
     return most;
 }
 
+/* Where Newton leads from the state in which jump j landed, at a load nearby. To be freed. */
+static inline double *stress_settle(stress_followed *on, size_t j, double load) {
+    size_t bytes = on->oracle.dofs * sizeof(double);
+    const double *u = on->path->state + stress_point_of_jump(on->path, j) * on->oracle.dofs;
+    double *settled = malloc(bytes);
+    if (!stress_flow_rests(&(stress_flow){&on->oracle, on->model, load}, u, settled, 1)) {
+        memcpy(settled, u, bytes);
+    }
+    return settled;
+}
+
 /* The same of the states that jump j landed in, at the one's load. */
 static inline long double stress_landings_apart(stress_followed *a, stress_followed *b, size_t j) {
-    const double *u = a->path->state + stress_point_of_jump(a->path, j) * a->oracle.dofs;
-    const double *v = b->path->state + stress_point_of_jump(b->path, j) * b->oracle.dofs;
-    stress_flow flow = {&b->oracle, b->model, a->path->jump[j].load};
-    double *moved = malloc(b->oracle.dofs * sizeof *moved);
-    bool rests = stress_flow_rests(&flow, v, moved, 1);
-    long double apart = stress_meshes_apart(&a->oracle, u, &b->oracle, rests ? moved : v);
-    free(moved);
+    double load = a->path->jump[j].load;
+    double *u = stress_settle(a, j, load), *v = stress_settle(b, j, load);
+    long double apart = stress_meshes_apart(&a->oracle, u, &b->oracle, v);
+    free(u);
+    free(v);
     return apart;
 }
 
-/* Whether the flow on either mesh leads where its jump j landed: then their drag makes the
- * difference. */
-static inline bool stress_is_dragged(stress_followed *on[2], size_t j) {
+/* Whether the flow on a mesh leads where its jump j landed. */
+static inline bool stress_is_confirmed(stress_followed *on, size_t j) {
     stress_finding ignored = {0};
-    for (int k = 0; k < 2; k++) {
-        const haft_path *path = on[k]->path;
-        if (path->jump[j].departure != HAFT_DEPARTURE_FOLD ||
-            !stress_check_landing(&on[k]->oracle, on[k]->model, path, stress_point_of_jump(path, j),
-                                  &ignored)) {
-            return false;
-        }
+    size_t i = stress_point_of_jump(on->path, j);
+    if (i == 0) {
+        return stress_check_start(&on->oracle, on->model, on->path, &ignored);
     }
-    return true;
+    return on->path->jump[j].departure == HAFT_DEPARTURE_FOLD &&
+           stress_check_landing(&on->oracle, on->model, on->path, i, &ignored);
 }
 
 static inline double stress_greatest_load(const haft_path *path) {
@@ -179,7 +186,7 @@ static inline void stress_compare(stress_followed *exact, stress_followed *other
             return;
         }
         long double apart = stress_landings_apart(exact, other, j);
-        if (!(apart <= 1) && stress_is_dragged((stress_followed *[2]){exact, other}, j)) {
+        if (!(apart <= 1) && stress_is_confirmed(exact, j) && stress_is_confirmed(other, j)) {
             f->dragged++;
             return;
         }
