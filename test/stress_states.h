@@ -238,18 +238,24 @@ static inline void stress_newton(stress_oracle *o) {
     }
 }
 
+/* What o->step is of the displacement of a point [m]. */
+static inline long double stress_step_of(const stress_oracle *o, const stress_point *p) {
+    long double w = 0;
+    for (int k = 0; k < 4; k++) {
+        long i = stress_dof(p->element, k);
+        w += i < 0 ? 0 : p->shape[k] * o->step[i];
+    }
+    return w;
+}
+
 /* The farthest that o->step moves a site from u, in the length over which its force changes: its
  * range, and as much more as it is out of reach. */
 static inline long double stress_step_size(const stress_oracle *o, const double *u) {
     long double most = 0;
     for (size_t r = 0; r < o->beam->sites; r++) {
         const stress_law *law = stress_beam_law(o->beam, r);
-        long double w = 0, beyond = stress_gap(o, r, u) - law->reach;
-        for (int k = 0; k < 4; k++) {
-            long i = stress_dof(o->site[r].element, k);
-            w += i < 0 ? 0 : o->site[r].shape[k] * o->step[i];
-        }
-        most = fmaxl(most, fabsl(w) / (law->range + fmaxl(beyond, 0)));
+        long double beyond = fmaxl(stress_gap(o, r, u) - law->reach, 0);
+        most = fmaxl(most, fabsl(stress_step_of(o, &o->site[r])) / (law->range + beyond));
     }
     return most;
 }

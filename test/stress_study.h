@@ -100,8 +100,8 @@ static inline void stress_followed_free(stress_followed *f) {
  * beam's displacements are exact at the nodes of Hermite elements wherever its forces act. So loads
  * of folds differ by the solver's tolerances alone; bifurcations are told within a step of 1e-6
  * lengths. */
-#define STRESS_FOLD_LOAD 1e-7
-#define STRESS_EDGE_LOAD 1e-5
+#define STRESS_FOLD_LOAD 1e-7L
+#define STRESS_EDGE_LOAD 1e-5L
 
 static inline size_t stress_point_of_jump(const haft_path *path, size_t jump) {
     size_t i = 0;
@@ -156,31 +156,41 @@ static inline bool stress_is_confirmed(stress_followed *on, size_t j) {
            stress_check_landing(&on->oracle, on->model, on->path, i, &ignored);
 }
 
-static inline double stress_greatest_load(const haft_path *path) {
-    double most = 0;
-    for (size_t i = 0; i < path->points; i++) {
-        most = fmax(most, fabs(path->point[i].load));
+/* What a force out of balance makes of a fold's load, at most: as much more as the sites move
+ * beside the load's own point where the load moves them, in the last state before jump j. And what
+ * may be out of balance there [N]. */
+static inline long double stress_load_slack(stress_followed *on, size_t j) {
+    stress_oracle *o = &on->oracle;
+    size_t i = stress_point_of_jump(on->path, j), at = i > 0 ? i - 1 : 0;
+    stress_evaluate(o, on->path->state + at * o->dofs, on->path->point[at].load);
+    long double slack = stress_slack(o), most = 0;
+    stress_factorize(o, 0);
+    memset(o->gradient, 0, o->dofs * sizeof *o->gradient);
+    stress_add(o, &o->load, -1, 0);
+    stress_newton(o);
+    for (size_t r = 0; r < o->beam->sites; r++) {
+        most = fmaxl(most, fabsl(stress_step_of(o, &o->site[r])));
     }
-    return most;
+    return slack * (1 + most / fabsl(stress_step_of(o, &o->load)));
 }
 
 /* What the loads of a jump differ by, in units of what may be. */
-static inline double stress_loads_apart(const haft_path *a, const haft_path *b, size_t j,
-                                        double most) {
-    const haft_jump *x = &a->jump[j], *y = &b->jump[j];
+static inline long double stress_loads_apart(stress_followed *a, stress_followed *b, size_t j) {
+    const haft_jump *x = &a->path->jump[j], *y = &b->path->jump[j];
     bool fold = x->departure == HAFT_DEPARTURE_FOLD && y->departure == HAFT_DEPARTURE_FOLD;
-    double allowed = (fold ? STRESS_FOLD_LOAD : STRESS_EDGE_LOAD) * most;
-    return x->phase == y->phase ? fabs(x->load - y->load) / allowed : INFINITY;
+    long double most = fmaxl(fabs(x->load), fabs(y->load));
+    long double allowed = (fold ? STRESS_FOLD_LOAD : STRESS_EDGE_LOAD) * most +
+                          stress_load_slack(a, j) + stress_load_slack(b, j);
+    return x->phase == y->phase ? fabsl((long double)x->load - y->load) / allowed : INFINITY;
 }
 
 /* Holds the path on a mesh against that on the exact one, up to the first jump that differs. */
 static inline void stress_compare(stress_followed *exact, stress_followed *other,
                                   stress_finding *f) {
     const haft_path *a = exact->path, *b = other->path;
-    double most = fmax(stress_greatest_load(a), stress_greatest_load(b));
     size_t jumps = a->jumps < b->jumps ? a->jumps : b->jumps;
     for (size_t j = 0; j < jumps; j++) {
-        double miss = stress_loads_apart(a, b, j, most);
+        long double miss = stress_loads_apart(exact, other, j);
         stress_note(f, STRESS_MESH_JUMPS, miss, j);
         if (!(miss <= 1)) {
             return;
