@@ -43,9 +43,22 @@ static void lead_sparse(haft_factor *factor, int n) {
     factor->n = n;
 }
 
+static haft_status not_analysed(haft_error *error) {
+    return haft_error_set(error, HAFT_ERROR_LIBRARY, "KLU cannot analyse the stiffness pattern");
+}
+
 static haft_status singular(haft_error *error) {
     return haft_error_set(error, HAFT_ERROR_NUMERIC,
                           "the stiffness matrix is singular: is the structure held?");
+}
+
+/* Why KLU gave nothing: it has no memory, or else what `other` tells. */
+static haft_status refusal(const haft_factor *factor, haft_status (*other)(haft_error *),
+                           haft_error *error) {
+    return factor->common.status == KLU_OUT_OF_MEMORY
+               ? haft_error_set(error, HAFT_ERROR_MEMORY,
+                                "out of memory factoring the stiffness matrix")
+               : other(error);
 }
 
 static haft_status analyse(haft_factor *factor, const double *values, haft_error *error) {
@@ -59,8 +72,7 @@ static haft_status analyse(haft_factor *factor, const double *values, haft_error
     factor->symbolic =
         klu_analyze_given(factor->n, factor->column, factor->row, NULL, NULL, &factor->common);
     if (factor->symbolic == NULL) {
-        return haft_error_set(error, HAFT_ERROR_LIBRARY,
-                              "KLU cannot analyse the stiffness pattern");
+        return refusal(factor, not_analysed, error);
     }
     union {
         const double *in;
@@ -69,7 +81,7 @@ static haft_status analyse(haft_factor *factor, const double *values, haft_error
     factor->numeric =
         klu_factor(factor->column, factor->row, entries.out, factor->symbolic, &factor->common);
     if (factor->numeric == NULL || !order_is_symmetric(factor)) {
-        return singular(error);
+        return refusal(factor, singular, error);
     }
     lead_sparse(factor, factor->n);
     return HAFT_OK;

@@ -156,14 +156,18 @@ static haft_outcome walk(haft_walker *w) {
         haft_walker_record(w, -1);
     }
     w->eta = t->options.gap_step;
-    outcome = follow(w);
+    if (!haft_walker_reached(w, &t->here)) { /* it may be, at rest */
+        outcome = follow(w);
+    }
     w->path->turn = w->path->points > 0 ? w->path->points - 1 : 0;
     if (outcome != HAFT_OUTCOME_STUCK || w->failed) {
         return outcome;
     }
     w->phase = 1;
     w->direction = -1;
-    outcome = follow(w);
+    if (t->here.load > 0) {
+        outcome = follow(w);
+    }
     haft_zone_enter(t, t->at);
     if (outcome != HAFT_OUTCOME_STUCK) {
         return outcome;
