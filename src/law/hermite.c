@@ -74,14 +74,22 @@ static double slope_at(size_t n, const double *x, const double *f, size_t i) {
     return copysign(fmin(fmax(copysign(1, s0) * slope, 0), steepest), s0);
 }
 
-haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i) {
-    double h = x[i + 1] - x[i];
-    double s = secant(n, x, f, i);
-    double m0 = slope_at(n, x, f, i), m1 = slope_at(n, x, f, i + 1);
+haft_hermite_ends haft_hermite_at_ends(size_t n, const double *x, const double *f, size_t i) {
+    return (haft_hermite_ends){{point_value(n, f, i), point_value(n, f, i + 1)},
+                               {slope_at(n, x, f, i), slope_at(n, x, f, i + 1)}};
+}
+
+haft_hermite haft_hermite_from_ends(haft_hermite_ends ends, double width) {
+    double h = width, m0 = ends.slope[0], m1 = ends.slope[1];
+    double s = (ends.value[1] - ends.value[0]) / h;
     return (haft_hermite){
-        .c = {point_value(n, f, i), m0, (3 * s - 2 * m0 - m1) / h, (m0 + m1 - 2 * s) / (h * h)},
+        .c = {ends.value[0], m0, (3 * s - 2 * m0 - m1) / h, (m0 + m1 - 2 * s) / (h * h)},
         .width = h,
     };
+}
+
+haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i) {
+    return haft_hermite_from_ends(haft_hermite_at_ends(n, x, f, i), x[i + 1] - x[i]);
 }
 
 double haft_hermite_solve(const haft_hermite *cubic, double value) {

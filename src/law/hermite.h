@@ -18,6 +18,17 @@ bool haft_hermite_is_curve(size_t n, const double *x, const double *f);
 /* Whether no x is off an even grid by more than a millionth of its step. */
 bool haft_hermite_is_even(size_t n, const double *x);
 
+/* A piece's values and slopes at its left and right end. */
+typedef struct haft_hermite_ends {
+    double value[2], slope[2];
+} haft_hermite_ends;
+
+/* Those of [x[i], x[i + 1]], as below. */
+haft_hermite_ends haft_hermite_at_ends(size_t n, const double *x, const double *f, size_t i);
+
+/* The cubic of given ends. */
+haft_hermite haft_hermite_from_ends(haft_hermite_ends ends, double width);
+
 /* The cubic of [x[i], x[i + 1]] with slopes that keep it monotone; n >= 3. The last point counts as
  * f = 0 with slope 0, whatever f holds there. */
 haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, size_t i);

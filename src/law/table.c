@@ -14,10 +14,11 @@ enum { CACHE_LINE = 64, AHEAD = 16, LEAST_POINTS = 4 };
 
 /* One line of the cache: a beam's laws together are larger than it. */
 typedef struct piece {
-    _Alignas(CACHE_LINE) haft_hermite cubic;
+    _Alignas(CACHE_LINE) double force[2]; /* at its ends */
+    double rise[2];                       /* the slopes there times the width */
+    double width;
     double start;     /* gap at its left end */
     double potential; /* at its right end */
-    double least;     /* force at the left ends from this one on */
 } piece;
 
 struct haft_law_table {
@@ -28,6 +29,12 @@ struct haft_law_table {
     double wall_potential; /* at its first point */
     piece piece[];
 };
+
+static haft_hermite cubic_of(const piece *p) {
+    haft_hermite_ends ends = {{p->force[0], p->force[1]},
+                              {p->rise[0] / p->width, p->rise[1] / p->width}};
+    return haft_hermite_from_ends(ends, p->width);
+}
 
 static double greatest(size_t n, const double *f, double sign, size_t *where) {
     double most = 0;
@@ -75,6 +82,11 @@ static haft_status check(size_t n, const double *distance, const double *force, 
     return HAFT_OK;
 }
 
+static double steepest_of(const piece *p) {
+    haft_hermite cubic = cubic_of(p);
+    return haft_hermite_steepest(&cubic);
+}
+
 /* A Morse law is steepest, where it pulls, at its zero: 4 a f_max. So four times f_max over the
  * steepest slope of a table beyond its wall is the range that the same law has as Morse. The wall
  * is steep without telling how wide the well is: it is left out, unless there is nothing else. A
@@ -83,10 +95,9 @@ static void find_range(haft_law_table *table, double scale) {
     double steepest = 0;
     bool beyond_wall = !(table->f_max > 0);
     for (size_t i = 0; i < table->pieces; i++) {
-        const haft_hermite *cubic = &table->piece[i].cubic;
-        beyond_wall |= cubic->c[0] <= 0;
+        beyond_wall |= table->piece[i].force[0] <= 0;
         if (beyond_wall) {
-            steepest = fmax(steepest, haft_hermite_steepest(cubic));
+            steepest = fmax(steepest, steepest_of(&table->piece[i]));
         }
     }
     table->range = steepest > 0 ? 4 * scale / steepest : table->last - table->first;
@@ -109,12 +120,14 @@ static haft_status create(haft_law_table **out, size_t n, const double *distance
     table->per_step = even ? (double)(n - 1) / (table->last - table->first) : 0;
     table->f_max = pull;
     table->d_max = pull > 0 ? distance[pulls_at] : NAN;
-    double potential = 0, least = INFINITY;
+    double potential = 0;
     for (size_t i = n - 1; i-- > 0;) {
-        haft_hermite cubic = haft_hermite_interval(n, distance, force, i);
-        least = fmin(least, cubic.c[0]);
-        table->piece[i] = (piece){cubic, distance[i], potential, least};
-        potential += haft_hermite_integral(&cubic, 0, cubic.width);
+        haft_hermite_ends at = haft_hermite_at_ends(n, distance, force, i);
+        double h = distance[i + 1] - distance[i];
+        double rise[2] = {h * at.slope[0], h * at.slope[1]};
+        table->piece[i] =
+            (piece){{at.value[0], at.value[1]}, {rise[0], rise[1]}, h, distance[i], potential};
+        potential += h * (0.5 * (at.value[0] + at.value[1]) + (rise[0] - rise[1]) / 12);
     }
     table->wall_potential = potential;
     find_range(table, pull > 0 ? pull : greatest(n, force, 1, &pushes_at));
@@ -156,14 +169,12 @@ haft_table_head haft_law_table_head(const haft_law_table *table) {
                                              (double)(table->pieces - 1), table};
 }
 
-/* The last piece whose number at `offset`, which rises from piece to piece, is at most `value`; the
- * first if there is none. */
-static inline const piece *last_at_most(const haft_law_table *table, size_t offset, double value) {
+/* The last piece that starts at d or before; the first if there is none. */
+static inline const piece *last_before(const haft_law_table *table, double d) {
     size_t low = 0, high = table->pieces;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
-        const char *at = (const char *)&table->piece[middle];
-        if (*(const double *)(at + offset) <= value) {
+        if (table->piece[middle].start <= d) {
             low = middle;
         } else {
             high = middle;
@@ -183,7 +194,7 @@ static inline const piece *guess_piece(haft_table_head head, double d) {
         double at = (d - head.first) * head.per_step;
         return table->piece + (int)(at > 0 ? at < head.most ? at : head.most : 0);
     }
-    return last_at_most(table, offsetof(piece, start), d);
+    return last_before(table, d);
 }
 
 /* The piece that holds d, first <= d < last, next to the one guessed or that itself. */
@@ -192,38 +203,51 @@ static inline const piece *correct(const haft_law_table *table, const piece *gue
     if (t < 0 && guess > table->piece) {
         return guess - 1;
     }
-    return t >= guess->cubic.width && guess + 1 < table->piece + table->pieces ? guess + 1 : guess;
+    return t >= guess->width && guess + 1 < table->piece + table->pieces ? guess + 1 : guess;
 }
 
-/* Cubics to be evaluated side by side, each at t from its left end. */
+/* Cubics to be evaluated side by side, each at t from its left end; behind a wall t < 0, and the
+ * potential is that at the left end. */
 typedef struct cubics {
-    double t[AHEAD], end[AHEAD], c[4][AHEAD], potential[AHEAD]; /* the potential at `end` */
+    double t[AHEAD], width[AHEAD], force[2][AHEAD], rise[2][AHEAD], potential[AHEAD];
 } cubics;
 
-/* Puts a table's cubic at d into lane i: nil beyond its end, on its wall the tangent, which ends at
- * the first point. */
+/* Puts a table's cubic at d into lane i; beyond its end that is nothing. */
 static inline void put_cubic(cubics *cubic, size_t i, haft_table_head head, const piece *guess,
                              double d) {
-    static const piece NIL;
+    static const piece NOTHING = {.width = 1};
     bool beyond = guess == NULL, wall = d < head.first;
-    const piece *p = beyond ? &NIL : wall ? head.table->piece : correct(head.table, guess, d);
+    const piece *p = beyond ? &NOTHING : wall ? head.table->piece : correct(head.table, guess, d);
     cubic->t[i] = beyond ? 0 : d - p->start;
-    cubic->end[i] = beyond || wall ? 0 : p->cubic.width;
-    cubic->c[0][i] = p->cubic.c[0];
-    cubic->c[1][i] = p->cubic.c[1];
-    cubic->c[2][i] = wall ? 0 : p->cubic.c[2];
-    cubic->c[3][i] = wall ? 0 : p->cubic.c[3];
+    cubic->width[i] = p->width;
+    for (int end = 0; end < 2; end++) {
+        cubic->force[end][i] = p->force[end];
+        cubic->rise[end][i] = p->rise[end];
+    }
     cubic->potential[i] = wall ? head.table->wall_potential : p->potential;
 }
 
+/* With x = t / width and y = 1 - x,
+ *     f   = y^2 (f0 (1 + 2 x) + r0 x) + x^2 (f1 (1 + 2 y) - r1 y),
+ *     Phi = Phi1 + width (f0 (y^3 - y^4/2) + r0 (y^3/3 - y^4/4)
+ *                       + f1 (y - y^3 + y^4/2) - r1 (y^2/2 - 2 y^3/3 + y^4/4)),
+ * and behind the wall the tangent at t = 0. */
 static inline haft_law_value value_in_lane(const cubics *cubic, size_t i) {
-    haft_hermite h = {{cubic->c[0][i], cubic->c[1][i], cubic->c[2][i], cubic->c[3][i]}, 0};
-    double t = cubic->t[i];
+    double t = cubic->t[i], h = cubic->width[i], per_h = 1 / h, x = t * per_h, y = 1 - x;
+    double f0 = cubic->force[0][i], f1 = cubic->force[1][i];
+    double r0 = cubic->rise[0][i], r1 = cubic->rise[1][i], slope0 = r0 * per_h;
+    bool wall = t < 0;
+    double force = y * y * (f0 * (1 + 2 * x) + r0 * x) + x * x * (f1 * (1 + 2 * y) - r1 * y);
+    double slope = 6 * x * y * (f1 - f0) + r0 * y * (1 - 3 * x) + r1 * x * (1 - 3 * y);
+    double curvature = 6 * (1 - 2 * x) * (f1 - f0) + r0 * (6 * x - 4) + r1 * (6 * x - 2);
+    double right =
+        y * (y * y * (f0 * (1 - 0.5 * y) + r0 * (1.0 / 3 - 0.25 * y)) +
+             f1 * (1 - y * y * (1 - 0.5 * y)) - r1 * y * (0.5 - y * (2.0 / 3 - 0.25 * y)));
     return (haft_law_value){
-        .force = haft_hermite_value(&h, t),
-        .slope = h.c[1] + t * (2 * h.c[2] + t * 3 * h.c[3]),
-        .curvature = 2 * h.c[2] + 6 * h.c[3] * t,
-        .potential = cubic->potential[i] + haft_hermite_integral(&h, t, cubic->end[i]),
+        .force = wall ? f0 + slope0 * t : force,
+        .slope = wall ? slope0 : slope * per_h,
+        .curvature = wall ? 0 : curvature * per_h * per_h,
+        .potential = cubic->potential[i] + (wall ? -t * (f0 + 0.5 * slope0 * t) : h * right),
     };
 }
 
@@ -285,8 +309,8 @@ haft_law haft_law_from_table(const haft_law_table *table) {
                       .f_max = table->f_max,
                       .d_max = table->d_max,
                       .wall_distance = table->first,
-                      .wall_force = p->cubic.c[0],
-                      .wall_slope = p->cubic.c[1],
+                      .wall_force = p->force[0],
+                      .wall_slope = p->rise[0] / p->width,
                       .wall_potential = table->wall_potential,
                       .table = table};
 }
@@ -294,40 +318,38 @@ haft_law haft_law_from_table(const haft_law_table *table) {
 /* Where the last of the pushes ends, of a table that never pulls. */
 static double end_of_push(const haft_law_table *table) {
     for (size_t i = table->pieces; i-- > 0;) {
-        if (table->piece[i].cubic.c[0] > 0) {
+        if (table->piece[i].force[0] > 0) {
             return i + 1 < table->pieces ? table->piece[i + 1].start : table->last;
         }
     }
     return table->first;
 }
 
-double haft_law_table_reach(const haft_law_table *table, double share) {
-    if (!(table->f_max > 0)) {
-        return end_of_push(table);
-    }
-    double level = -share * table->f_max;
-    const piece *p = last_at_most(table, offsetof(piece, least), level);
-    return p->start + haft_hermite_solve(&p->cubic, level);
-}
-
-double haft_law_table_extent(const haft_law_table *table, double share) {
-    if (!(table->f_max > 0)) {
-        return end_of_push(table);
-    }
-    double level = share * table->f_max;
+/* Where the last piece that begins beyond `level`, and so ends within it, passes it: the last that
+ * pulls so much, or with `pushes` also the last that pushes so much. */
+static double last_passage(const haft_law_table *table, double level, bool pushes) {
     for (size_t i = table->pieces; i-- > 0;) {
         const piece *p = &table->piece[i];
-        if (fabs(p->cubic.c[0]) > level) { /* and its right end is not */
-            return p->start + haft_hermite_solve(&p->cubic, copysign(level, p->cubic.c[0]));
+        if (p->force[0] <= -level || (pushes && p->force[0] >= level)) {
+            haft_hermite cubic = cubic_of(p);
+            return p->start + haft_hermite_solve(&cubic, copysign(level, p->force[0]));
         }
     }
     return table->first;
 }
 
+double haft_law_table_reach(const haft_law_table *table, double share) {
+    return table->f_max > 0 ? last_passage(table, share * table->f_max, false) : end_of_push(table);
+}
+
+double haft_law_table_extent(const haft_law_table *table, double share) {
+    return table->f_max > 0 ? last_passage(table, share * table->f_max, true) : end_of_push(table);
+}
+
 haft_law_lengths haft_law_table_lengths(const haft_law_table *table) {
     double f = table->f_max, range = table->range, edge = table->last, steepest = 0;
     for (size_t i = table->pieces; i-- > 0;) { /* 4 f_max over the slope, as for the range */
-        double slope = haft_hermite_steepest(&table->piece[i].cubic);
+        double slope = steepest_of(&table->piece[i]);
         if (slope * HAFT_LAW_WIDER * range > 4 * f) {
             break;
         }
