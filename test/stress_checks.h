@@ -69,6 +69,7 @@ typedef struct stress_finding {
     size_t landings, lost_landings;   /* compared; where the oracle gave up */
     bool start_felt, start_lost;      /* the start was compared; the oracle gave up */
     size_t dragged;                   /* landings that differ by the mesh's drag alone */
+    size_t undecided;                 /* or that the oracle could not judge */
 } stress_finding;
 
 static inline void stress_note(stress_finding *f, stress_fault fault, long double size,
@@ -198,7 +199,7 @@ static inline void stress_check_jump(stress_oracle *o, const haft_path *path, si
 }
 
 /* Follows the branch from point i - 1 to point i by small steps of the load, each finished by
- * Newton within a tenth of a length: over a fold between them none would lead. */
+ * Newton within a fiftieth of a length: over a fold between them none would lead. */
 static inline void stress_check_branch(stress_oracle *o, const haft_model *m, const haft_path *path,
                                        size_t i, stress_finding *f) {
     size_t bytes = o->dofs * sizeof(double);
@@ -208,7 +209,7 @@ static inline void stress_check_branch(stress_oracle *o, const haft_model *m, co
     while (share < 1 && step > 1e-7) {
         double next = fmin(1, share + step);
         stress_flow at = {o, m, from + next * way};
-        if (stress_flow_rests(&at, u, rest, 0.1L)) {
+        if (stress_flow_rests(&at, u, rest, 0.02L)) {
             memcpy(u, rest, bytes);
             share = next;
             step *= 2;

@@ -100,7 +100,7 @@ static inline void stress_print_refusals(const stress_result *result, size_t bea
 
 static inline void stress_print_work(const stress_result *result, size_t beams) {
     size_t points = 0, jumps = 0, landings = 0, lost = 0, starts = 0, lost_starts = 0, slow = 0,
-           dragged = 0, branches = 0;
+           dragged = 0, branches = 0, undecided = 0;
     double slowest = 0;
     for (size_t i = 0; i < beams; i++) {
         for (int m = 0; m < STRESS_MESHES; m++) {
@@ -111,6 +111,7 @@ static inline void stress_print_work(const stress_result *result, size_t beams) 
             lost += run->finding.lost_landings;
             branches += run->finding.branches;
             dragged += run->finding.dragged;
+            undecided += run->finding.undecided;
             starts += run->finding.start_felt;
             lost_starts += run->finding.start_lost;
             slow = run->seconds > slowest ? i : slow;
@@ -119,10 +120,11 @@ static inline void stress_print_work(const stress_result *result, size_t beams) 
     }
     print_message("  %zu states, %zu jumps, %zu steps followed again, %zu landings compared (%zu "
                   "lost by the oracle), %zu "
-                  "starts (%zu lost); %zu landings differ by the mesh's drag; slowest path %.1f s: "
+                  "starts (%zu lost); %zu landings differ by the mesh's drag, %zu undecided; "
+                  "slowest path %.1f s: "
                   "%llu\n",
-                  points, jumps, branches, landings, lost, starts, lost_starts, dragged, slowest,
-                  (unsigned long long)result[slow].index);
+                  points, jumps, branches, landings, lost, starts, lost_starts, dragged, undecided,
+                  slowest, (unsigned long long)result[slow].index);
 }
 
 /* What one beam came to, on all meshes. */

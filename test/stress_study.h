@@ -146,15 +146,22 @@ static inline long double stress_landings_apart(stress_followed *a, stress_follo
     return apart;
 }
 
-/* Whether the flow on a mesh leads where its jump j landed. */
-static inline bool stress_is_confirmed(stress_followed *on, size_t j) {
-    stress_finding ignored = {0};
+/* What the oracle says of where a jump landed. */
+typedef enum stress_verdict { STRESS_CONFIRMED, STRESS_LOST, STRESS_REFUTED } stress_verdict;
+
+/* Whether the flow on a mesh leads where its jump j landed; lost where the oracle gives up, or the
+ * jump began in no simple fold. */
+static inline stress_verdict stress_judge(stress_followed *on, size_t j) {
+    stress_finding found = {0};
     size_t i = stress_point_of_jump(on->path, j);
+    bool agrees = false;
     if (i == 0) {
-        return stress_check_start(&on->oracle, on->model, on->path, &ignored);
+        agrees = stress_check_start(&on->oracle, on->model, on->path, &found);
+    } else if (on->path->jump[j].departure == HAFT_DEPARTURE_FOLD) {
+        agrees = stress_check_landing(&on->oracle, on->model, on->path, i, &found);
     }
-    return on->path->jump[j].departure == HAFT_DEPARTURE_FOLD &&
-           stress_check_landing(&on->oracle, on->model, on->path, i, &ignored);
+    bool wrong = found.worst[STRESS_LANDING] > 1 || found.worst[STRESS_START] > 1;
+    return agrees ? STRESS_CONFIRMED : wrong ? STRESS_REFUTED : STRESS_LOST;
 }
 
 /* What a force out of balance makes of a fold's load, at most: as much more as the sites move
@@ -197,14 +204,18 @@ static inline void stress_compare(stress_followed *exact, stress_followed *other
             return;
         }
         long double apart = stress_landings_apart(exact, other, j);
-        if (!(apart <= 1) && stress_is_confirmed(exact, j) && stress_is_confirmed(other, j)) {
-            f->dragged++;
+        if (!(apart <= 1)) {
+            stress_verdict x = stress_judge(exact, j), y = stress_judge(other, j);
+            if (x == STRESS_REFUTED || y == STRESS_REFUTED) {
+                stress_note(f, STRESS_MESH_LANDED, apart, j);
+            } else {
+                bool both = x == STRESS_CONFIRMED && y == STRESS_CONFIRMED;
+                f->dragged += both;
+                f->undecided += !both;
+            }
             return;
         }
         stress_note(f, STRESS_MESH_LANDED, apart, j);
-        if (!(apart <= 1)) {
-            return;
-        }
     }
     if (a->jumps != b->jumps) {
         stress_note(f, STRESS_MESH_JUMPS, INFINITY, jumps);
