@@ -89,12 +89,22 @@ static inline void stress_flow_speed(stress_flow *f, N_Vector u, N_Vector speed,
     SUNLinSolSolve(solver, matrix, speed, work, 0);
 }
 
+/* The least range of a beam's laws, in gaps. */
+static inline double stress_least_range(const stress_beam *b) {
+    double range = INFINITY;
+    for (size_t k = 0; k < b->laws; k++) {
+        range = fmin(range, b->law[k].range);
+    }
+    return range / b->spec.gap;
+}
+
 /* Whether Newton leads from u to a stable equilibrium, no step going `most` lengths or more; then
  * it is in `rest`. */
 static inline bool stress_flow_rests(stress_flow *f, const double *u, double *rest,
                                      long double most) {
     enum { SWEEPS = 12 };
     stress_oracle *o = f->oracle;
+    long double least = fmaxl(1e-7L, 1e-14L / stress_least_range(o->beam)); /* u is rounded */
     memcpy(rest, u, o->dofs * sizeof *rest);
     for (int i = 0; i < SWEEPS; i++) {
         stress_evaluate(o, rest, f->load);
@@ -109,7 +119,7 @@ static inline bool stress_flow_rests(stress_flow *f, const double *u, double *re
         for (size_t k = 0; k < o->dofs; k++) {
             rest[k] += (double)o->step[k];
         }
-        if (move < 1e-7L) {
+        if (move < least) {
             return true;
         }
     }
@@ -136,11 +146,8 @@ static inline bool stress_ida_start(stress_ida *s, stress_flow *f, double *u) {
     s->solver = SUNLinSol_Band(s->y, s->matrix, s->context);
     s->ida = IDACreate(s->context);
     stress_flow_speed(f, s->y, s->speed, s->matrix, s->solver, s->work);
-    double range = INFINITY, gap = f->oracle->beam->spec.gap;
-    for (size_t k = 0; k < f->oracle->beam->laws; k++) {
-        range = fmin(range, f->oracle->beam->law[k].range);
-    }
-    double tolerance = fmax(1e-13, fmin(1e-9, 1e-4 * range / gap));
+    double range = stress_least_range(f->oracle->beam);
+    double tolerance = fmax(1e-13, fmin(1e-9, 1e-4 * range));
     return IDAInit(s->ida, stress_flow_residual, 0, s->y, s->speed) == IDA_SUCCESS &&
            IDASetErrHandlerFn(s->ida, stress_flow_silent, NULL) == IDA_SUCCESS &&
            IDASStolerances(s->ida, tolerance, tolerance) == IDA_SUCCESS &&
