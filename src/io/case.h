@@ -92,6 +92,10 @@ const char *haft_case_leaf(const char *path);
  * none at `text`; *code is its code point. */
 size_t haft_case_character(const unsigned char *text, size_t size, uint32_t *code);
 
+/* May a title hold this character? Not control characters, YAML's own line breaks or the byte order
+ * mark: they would not read back as they are. */
+bool haft_case_is_printable(uint32_t code);
+
 /* Fields that stay as they are when a key with the fallback "none" is missing. */
 void haft_case_preset(haft_case *c);
 
