@@ -62,7 +62,7 @@ static haft_status read_lines(double *points, size_t *n, char *text, const char 
         for (int k = 0; k < 2; k++) {
             if (!find_number(line, place[k], &value[k])) {
                 return haft_error_set(error, HAFT_ERROR_INPUT,
-                                      "%s:%zu: has no finite decimal number under \"%s\"", path,
+                                      "%s:%zu: has no finite number under \"%s\"", path,
                                       number, names[k]);
             }
         }

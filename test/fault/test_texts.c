@@ -159,7 +159,7 @@ static void a_long_line_is_one_point(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         snprintf(text, LONG, "zeta [rad/um],s [nm^4]\n%s\n289,0.006\n", bad[i]);
         assert_int_equal(read_psd_case(&plain, text, strlen(text), &error), HAFT_ERROR_INPUT);
-        check_says(error.message, "p.csv:2: has no finite decimal number under");
+        check_says(error.message, "p.csv:2: has no finite number under");
     }
     free(text);
 }
