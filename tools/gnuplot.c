@@ -120,11 +120,12 @@ static haft_status treat_figures(deed what, const char *draft, const char *folde
     int n = scandir(draft, &entry, is_figure, alphasort);
     haft_status status = HAFT_OK;
     if (n < 0) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", draft,
-                                strerror(errno));
+        status =
+            haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", draft, strerror(errno));
     } else if (n == 0 && what == CHECK) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "%s: gnuplot ended well but drew no figure; is the disk full?",
-                                folder);
+        status =
+            haft_error_set(error, HAFT_ERROR_IO,
+                           "%s: gnuplot ended well but drew no figure; is the disk full?", folder);
     }
     for (int i = 0; i < n; i++) {
         if (status == HAFT_OK) {

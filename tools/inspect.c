@@ -63,8 +63,8 @@ static haft_status read_length(double *value, const haft_units *units, const cha
     }
     if (status != HAFT_OK || !(length > 0)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "--%s \"%.80s\" is no positive length%s%s; give it as %s", option, text,
-                              status != HAFT_OK ? ": " : "", own.message, example);
+                              "--%s \"%.80s\" is no positive length%s%s; give it as %s", option,
+                              text, status != HAFT_OK ? ": " : "", own.message, example);
     }
     *value = length;
     return HAFT_OK;
@@ -80,9 +80,9 @@ static haft_status read_size(wishes *w, const haft_units *units, const char *tex
     size_t side = cross != NULL ? (size_t)(cross - text) : 0;
     char width[SIDE_CAPACITY] = "", height[SIDE_CAPACITY] = "";
     if (cross == NULL || side >= sizeof width || strlen(cross + 1) >= sizeof height) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "--size \"%.80s\" is no width and height; give it as \"10 um x 5 um\"",
-                              text);
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "--size \"%.80s\" is no width and height; give it as \"10 um x 5 um\"", text);
     }
     memcpy(width, text, side);
     snprintf(height, sizeof height, "%s", cross + 1);

@@ -372,8 +372,8 @@ haft_status haft_text_write(const char *path, const char *text, haft_error *erro
  *  @param[in] path a regular file without NUL characters
  *  @param[in] most the most bytes it may have
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than `most` or
- *  holds a NUL character, HAFT_ERROR_MEMORY */
+ *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than `most`
+ * or holds a NUL character, HAFT_ERROR_MEMORY */
 haft_status haft_text_read(char **text, size_t *size, const char *path, size_t most,
                            haft_error *error) HAFT_MUST_CHECK;
 

@@ -93,10 +93,10 @@ static size_t skip_letter(const char *text) {
 
 /* "2", "-1", "^2", "^-1", or the same in superscript; 0 where there is no power. */
 static size_t skip_power(const char *text) {
-    static const char *const raised[] = {
-        "\xe2\x81\xbb", "\xe2\x81\xb0", "\xc2\xb9",     "\xc2\xb2",
-        "\xc2\xb3",     "\xe2\x81\xb4", "\xe2\x81\xb5", "\xe2\x81\xb6",
-        "\xe2\x81\xb7", "\xe2\x81\xb8", "\xe2\x81\xb9", NULL};
+    static const char *const raised[] = {"\xe2\x81\xbb", "\xe2\x81\xb0", "\xc2\xb9",
+                                         "\xc2\xb2",     "\xc2\xb3",     "\xe2\x81\xb4",
+                                         "\xe2\x81\xb5", "\xe2\x81\xb6", "\xe2\x81\xb7",
+                                         "\xe2\x81\xb8", "\xe2\x81\xb9", NULL};
     size_t n = 0;
     for (size_t more = 1; more > 0; n += more) {
         more = begins_with(text + n, raised);
@@ -196,12 +196,12 @@ static bool agree(const ut_unit *from, const ut_unit *to, haft_status *status) {
 }
 
 static haft_status no_memory(const char *text, haft_error *error) {
-    return haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for the unit of \"%.80s\"", text);
+    return haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for the unit of \"%.80s\"",
+                          text);
 }
 
-static haft_status convert_units(ut_unit *from, ut_unit *to, double number,
-                                 const char *text, const char *wanted, double *value,
-                                 haft_error *error) {
+static haft_status convert_units(ut_unit *from, ut_unit *to, double number, const char *text,
+                                 const char *wanted, double *value, haft_error *error) {
     haft_status status = HAFT_OK;
     if (!agree(from, to, &status)) {
         return status != HAFT_OK
@@ -333,7 +333,8 @@ haft_status haft_units_parse(const haft_units *units, const char *text, const ch
         }
     }
     if (status == HAFT_OK && !isfinite(result)) {
-        status = haft_error_set(error, HAFT_ERROR_INPUT, "\"%.80s\" is not finite in %s", text, unit);
+        status =
+            haft_error_set(error, HAFT_ERROR_INPUT, "\"%.80s\" is not finite in %s", text, unit);
     }
     *value = status == HAFT_OK ? result : *value;
     return status;

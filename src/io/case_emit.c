@@ -146,8 +146,7 @@ static size_t inner_section(const char *path, const char *section, size_t length
 }
 
 static bool lies_in(const haft_key *key, const char *section, size_t length) {
-    return length == 0 ||
-           (strncmp(key->path, section, length) == 0 && key->path[length] == '.');
+    return length == 0 || (strncmp(key->path, section, length) == 0 && key->path[length] == '.');
 }
 
 /* One section whole, at the place of its first key: wherever the schema's table has the keys of a

@@ -62,8 +62,8 @@ static haft_status read_lines(double *points, size_t *n, char *text, const char 
         for (int k = 0; k < 2; k++) {
             if (!find_number(line, place[k], &value[k])) {
                 return haft_error_set(error, HAFT_ERROR_INPUT,
-                                      "%s:%zu: has no finite number under \"%s\"", path,
-                                      number, names[k]);
+                                      "%s:%zu: has no finite number under \"%s\"", path, number,
+                                      names[k]);
             }
         }
         if (*n == POINTS_MOST) {
@@ -86,9 +86,8 @@ haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *f
     size_t size = 0;
     *n = 0;
     *points = haft_memory_alloc(POINTS_MOST, 2 * sizeof **points, error);
-    haft_status status = *points == NULL
-                             ? HAFT_ERROR_MEMORY
-                             : haft_text_read(&text, &size, path, BYTES_MOST, error);
+    haft_status status =
+        *points == NULL ? HAFT_ERROR_MEMORY : haft_text_read(&text, &size, path, BYTES_MOST, error);
     if (status == HAFT_OK && size == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: is empty", path);
     }

@@ -81,8 +81,8 @@ haft_status haft_text_read(char **text, size_t *size, const char *path, size_t m
     haft_status status = check_kind(descriptor, path, most, size, error);
     if (status == HAFT_OK) {
         bytes = haft_memory_alloc(*size + 1, 1, error);
-        status = bytes == NULL ? HAFT_ERROR_MEMORY
-                               : read_bytes(bytes, *size, descriptor, path, error);
+        status =
+            bytes == NULL ? HAFT_ERROR_MEMORY : read_bytes(bytes, *size, descriptor, path, error);
     }
     close(descriptor);
     if (status == HAFT_OK) {

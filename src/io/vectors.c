@@ -66,8 +66,9 @@ static haft_status read_factor(const haft_units *units, const char *path, size_t
     char text[NAME_CAPACITY + 4];
     snprintf(text, sizeof text, "1 %s", unit);
     haft_error own = {0};
-    haft_status status = unit[0] == '\0' ? HAFT_ERROR_INPUT
-                                         : haft_units_parse(units, text, wanted[i].unit, factor, &own);
+    haft_status status = unit[0] == '\0'
+                             ? HAFT_ERROR_INPUT
+                             : haft_units_parse(units, text, wanted[i].unit, factor, &own);
     if (status == HAFT_ERROR_MEMORY) {
         return haft_error_set(error, status, "%s: %s", path, own.message);
     }

@@ -170,7 +170,8 @@ static void take_row(haft_budget *out, char *field[COLUMNS]) {
     }
 }
 
-/* Every row has all its fields and is of this case, and the last row is the last that is written. */
+/* Every row has all its fields and is of this case, and the last row is the last that is written.
+ */
 static haft_status read_rows(haft_budget *out, const char *digest, char *text, const char *path,
                              haft_error *error) {
     char *field[COLUMNS], *line = haft_text_line(&text);

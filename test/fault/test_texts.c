@@ -6,7 +6,6 @@
 
 #include "haft/io.h"
 
-
 /* ---- a read that fails ---- */
 
 /* In place of the C library's read(): after `left` bytes the disk is broken. */
@@ -19,7 +18,8 @@ ssize_t read(int descriptor, void *buffer, size_t size) {
         errno = EIO;
         return -1;
     }
-    ssize_t n = pread(descriptor, buffer, size < left ? size : left, lseek(descriptor, 0, SEEK_CUR));
+    ssize_t n =
+        pread(descriptor, buffer, size < left ? size : left, lseek(descriptor, 0, SEEK_CUR));
     if (n < 0) {
         return n; /* a pipe */
     }
@@ -116,12 +116,12 @@ static void tables_are_read_whole(void **state) {
 
 static haft_status read_psd_case(haft_case **c, const char *psd, size_t size, haft_error *error) {
     char path[400];
-    case_folder f = case_create((edit[]){{"  zeta_max: 289 rad/um        # shortest wave\n", ""},
-                                         {"  zeta_0: 19.4 rad/um         # roll-off\n", ""},
-                                         {"  s_0: 6.46e3 nm^4            # plateau\n", ""},
-                                         {"  s_1: 6.46e-3 nm^4           # at zeta_max\n",
-                                          "  psd: p.csv\n"},
-                                         {NULL, NULL}});
+    case_folder f =
+        case_create((edit[]){{"  zeta_max: 289 rad/um        # shortest wave\n", ""},
+                             {"  zeta_0: 19.4 rad/um         # roll-off\n", ""},
+                             {"  s_0: 6.46e3 nm^4            # plateau\n", ""},
+                             {"  s_1: 6.46e-3 nm^4           # at zeta_max\n", "  psd: p.csv\n"},
+                             {NULL, NULL}});
     write_file(path_in(&f, "p.csv", path), psd, size);
     haft_status status = haft_case_read(c, path_in(&f, "case.yaml", path), error);
     case_remove(&f);
@@ -199,10 +199,10 @@ static void units_of_maps_are_one_word(void **state) {
 /* Options that are quantities follow the same rule. */
 static void options_are_quantities(void **state) {
     (void)state;
-    static const char *const wrong[] = {"--unit=nm 2",         "--unit=nm since 1990",
-                                        "--unit=1 900 nm",     "--lateral-unit=0x10 um",
+    static const char *const wrong[] = {"--unit=nm 2",          "--unit=nm since 1990",
+                                        "--unit=1 900 nm",      "--lateral-unit=0x10 um",
                                         "--size=1 um x 1 0 um", "--size=1 um x 1 um 2",
-                                        "--tip-radius=8 nm 2", "--outliers=0x10",
+                                        "--tip-radius=8 nm 2",  "--outliers=0x10",
                                         "--unit=1/um"};
     scratch s = scratch_create();
     char path[400];
@@ -219,8 +219,8 @@ static void options_are_quantities(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_read_that_fails_is_told),  cmocka_unit_test(tables_are_read_whole),
-        cmocka_unit_test(a_long_line_is_one_point),   cmocka_unit_test(units_of_maps_are_one_word),
+        cmocka_unit_test(a_read_that_fails_is_told), cmocka_unit_test(tables_are_read_whole),
+        cmocka_unit_test(a_long_line_is_one_point),  cmocka_unit_test(units_of_maps_are_one_word),
         cmocka_unit_test(options_are_quantities),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

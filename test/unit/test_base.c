@@ -47,7 +47,7 @@ static void check_message(const char *message, const char *says) {
 static void numbers_are_decimal(void **state) {
     (void)state;
     static const char *const good[] = {"1.5", " +1.5e0\t", "15e-1", "0.15E+1", "1.5000"};
-    static const char *const bad[] = {"",    "1,5", "0x1.8p0", "nan",  "inf",    "1.5 2",
+    static const char *const bad[] = {"",     "1,5",   "0x1.8p0", "nan",   "inf",  "1.5 2",
                                       "1.5n", "1e999", "1e-999",  "+-1.5", "1.5e", ". 5"};
     for (size_t k = 0; k < 2; k++) {
         for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
@@ -119,7 +119,8 @@ static void units_convert_and_refuse(void **state) {
     static const struct {
         const char *text, *unit, *says;
     } bad[] = {
-        {"1 900 nm", "m", "a second number; write one decimal number and a unit that converts to m"},
+        {"1 900 nm", "m",
+         "a second number; write one decimal number and a unit that converts to m"},
         {"400 nm 2", "m", "a second number"},
         {"400 2 nm", "m", "a second number"},
         {"400 nm\xc2\xa0"
@@ -172,10 +173,14 @@ static void units_convert_and_refuse(void **state) {
         {"0.85 rad", "1", "wrong dimension"},
         {"85 %", "rad", "wrong dimension"},
         {"5 5", "1", "a second number; write one decimal number and at most a %"},
-        {"2.62 kg", "m", "wrong dimension"}, {"600", "m", "no unit"},
-        {"nan um", "m", "not a finite"},     {"wide", "m", "does not begin with a number"},
-        {"1e999 m", "m", "not a finite"},    {"3 furlongz", "m", "unknown"},
-        {"", "m", "does not begin"},         {"3 m", "1", "wrong dimension"},
+        {"2.62 kg", "m", "wrong dimension"},
+        {"600", "m", "no unit"},
+        {"nan um", "m", "not a finite"},
+        {"wide", "m", "does not begin with a number"},
+        {"1e999 m", "m", "not a finite"},
+        {"3 furlongz", "m", "unknown"},
+        {"", "m", "does not begin"},
+        {"3 m", "1", "wrong dimension"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         double value = -1;

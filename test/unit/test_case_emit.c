@@ -73,7 +73,8 @@ static void draw_value(draft *d, size_t i) {
     size_t n = 0;
     switch (key->type) {
     case HAFT_KEY_TEXT:
-        snprintf(text, VALUE_MOST, "%s", draw(d, 2) ? "\"a \\\"b\\\" \\\\ #: {é} %d 'c'\"" : "\"\"");
+        snprintf(text, VALUE_MOST, "%s",
+                 draw(d, 2) ? "\"a \\\"b\\\" \\\\ #: {é} %d 'c'\"" : "\"\"");
         break;
     case HAFT_KEY_SEED:
         snprintf(text, VALUE_MOST, "%zu", draw(d, 1000000));
@@ -112,16 +113,16 @@ static void settle_surface(draft *d) {
     } else {
         for (size_t i = 0; i < haft_case_key_count; i++) {
             const haft_key *key = &haft_case_keys[i];
-            if (strncmp(key->path, "surface.", 8) == 0 && (key->where == HAFT_PART_SELF_AFFINE ||
-                                                          strstr(key->path, "zeta") != NULL)) {
+            if (strncmp(key->path, "surface.", 8) == 0 &&
+                (key->where == HAFT_PART_SELF_AFFINE || strstr(key->path, "zeta") != NULL)) {
                 put(d, key->path, key->example);
             }
         }
     }
     if (kind < 2) {
         put(d, "surface.source", "");
-        put(d, "surface.marginal", has(d, "surface.marginal", "heights") ? "johnson"
-                                                                          : value_of(d, "surface.marginal"));
+        put(d, "surface.marginal",
+            has(d, "surface.marginal", "heights") ? "johnson" : value_of(d, "surface.marginal"));
         put(d, "surface.kurtosis", "3.4");
         put(d, "surface.skewness", draw(d, 3) == 0 ? "0" : "0.25");
     } else if (has(d, "surface.marginal", "johnson")) {
@@ -195,8 +196,8 @@ static void write_section(draft *d, char *text, const char *section, int depth) 
         const char *inner = haft_case_sections[i].path;
         bool used = false;
         for (size_t k = 0; k < haft_case_key_count; k++) {
-            used = used || (d->value[k][0] != '\0' && strncmp(haft_case_keys[k].path, inner,
-                                                             strlen(inner)) == 0);
+            used = used || (d->value[k][0] != '\0' &&
+                            strncmp(haft_case_keys[k].path, inner, strlen(inner)) == 0);
         }
         if (used && haft_case_is_member(inner, section)) {
             sprintf(text + strlen(text), "%*s%s:\n", 2 * depth, "", haft_case_leaf(inner));
