@@ -250,6 +250,9 @@ static haft_status convert(const haft_units *units, double number, const char *g
 
 /* What is wrong with a text whose number does not end where a number may; NULL if it does. */
 static const char *fault_of_number(const char *end) {
+    if (*end == '\0') {
+        return NULL;
+    }
     bool more = isdigit((unsigned char)end[1]) != 0;
     return (*end == 'x' || *end == 'X') && isxdigit((unsigned char)end[1])
                ? "has a hexadecimal number; write it in decimal digits"
