@@ -86,7 +86,9 @@ static haft_status draw_against(const pen *p, const char *reference, haft_error 
         return HAFT_OK;
     }
     haft_status status = write_against(title, reference, p->folder, error);
-    give_text("HAFT_REFERENCE", title);
+    if (status == HAFT_OK) {
+        status = give_text("HAFT_REFERENCE", title, error);
+    }
     return status == HAFT_OK ? draw_each(p, figure, 1, error) : status;
 }
 
@@ -186,7 +188,9 @@ int draw_sweep(const haft_case *c, double greatest, const char *words, const cha
 haft_status draw_comparison(const char *labels, size_t n, double confidence, const char *directory,
                             haft_error *error) {
     char definitions[128];
-    setenv("HAFT_LABELS", labels, 1);
+    if (setenv("HAFT_LABELS", labels, 1) != 0) {
+        return haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for gnuplot");
+    }
     snprintf(definitions, sizeof definitions, "cases=%zu; confidence=%.9g", n, confidence);
     return draw_script("compare", directory, "Crack lengths compared", definitions, error);
 }

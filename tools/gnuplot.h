@@ -6,7 +6,7 @@
 #include "terminal.h"
 
 /* Puts a text, made safe to show, where the scripts find it as data: in an environment variable. */
-void give_text(const char *variable, const char *text);
+haft_status give_text(const char *variable, const char *text, haft_error *error);
 
 /* Draws one script's figure from the CSV files in `folder`, under a title. */
 haft_status draw_script(const char *name, const char *folder, const char *title,

@@ -6,11 +6,10 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-enum { BINS = 60, DRAWN_MOST = 512 };
+enum { BINS = 60, DRAWN_MOST = 512, SIDE_CAPACITY = 120 };
 
 typedef struct wishes {
     haft_map_options options;
@@ -57,25 +56,38 @@ static haft_status read_length(double *value, const haft_units *units, const cha
         return HAFT_OK;
     }
     haft_error own = {0};
-    if (haft_units_parse(units, text, "m", value, &own) != HAFT_OK || !(*value > 0)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "--%s \"%s\" is no positive length; give it as %s", option, text,
-                              example);
+    double length = 0;
+    haft_status status = haft_units_parse(units, text, "m", &length, &own);
+    if (status == HAFT_ERROR_MEMORY) {
+        return haft_error_set(error, status, "%s", own.message);
     }
+    if (status != HAFT_OK || !(length > 0)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "--%s \"%.80s\" is no positive length%s%s; give it as %s", option,
+                              text, status != HAFT_OK ? ": " : "", own.message, example);
+    }
+    *value = length;
     return HAFT_OK;
 }
 
 /* "10 um x 5 um" */
 static haft_status read_size(wishes *w, const haft_units *units, const char *text,
                              haft_error *error) {
-    const char *cross = text != NULL ? strchr(text, 'x') : NULL;
     if (text == NULL) {
         return HAFT_OK;
     }
-    char width[64] = "", height[64] = "";
-    if (cross != NULL) {
-        snprintf(width, sizeof width, "%.*s", (int)(cross - text), text);
-        snprintf(height, sizeof height, "%s", cross + 1 + strspn(cross + 1, " "));
+    const char *cross = strchr(text, 'x');
+    size_t side = cross != NULL ? (size_t)(cross - text) : 0;
+    char width[SIDE_CAPACITY] = "", height[SIDE_CAPACITY] = "";
+    if (cross == NULL || side >= sizeof width || strlen(cross + 1) >= sizeof height) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "--size \"%.80s\" is no width and height; give it as \"10 um x 5 um\"", text);
+    }
+    memcpy(width, text, side);
+    snprintf(height, sizeof height, "%s", cross + 1);
+    while (side > 0 && width[side - 1] == ' ') {
+        width[--side] = '\0';
     }
     haft_status status =
         read_length(&w->options.width, units, "size", width, "\"10 um x 5 um\"", error);
@@ -87,11 +99,17 @@ static haft_status read_size(wishes *w, const haft_units *units, const char *tex
 /* "nm" or "2 nm" */
 static haft_status read_unit(double *unit, const haft_units *units, const char *option,
                              const char *text, haft_error *error) {
-    char quantity[64] = "";
+    char quantity[SIDE_CAPACITY + 2] = "";
     if (text == NULL) {
         return HAFT_OK;
     }
-    snprintf(quantity, sizeof quantity, "%s%.50s", strpbrk(text, "0123456789") ? "" : "1 ", text);
+    if (strlen(text) >= SIDE_CAPACITY) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "--%s has %zu characters; give a unit such as nm", option,
+                              strlen(text));
+    }
+    bool bare = strpbrk(text, "0123456789") == NULL;
+    snprintf(quantity, sizeof quantity, "%s%s", bare ? "1 " : "", text);
     return read_length(unit, units, option, quantity, "nm", error);
 }
 
@@ -126,9 +144,10 @@ static haft_status understand(wishes *w, const inspect_words *words, haft_error 
             read_length(&w->tip_radius, units, "tip-radius", words->tip_radius, "\"8 nm\"", error);
     }
     if (status == HAFT_OK && words->outliers != NULL) {
-        char *end = NULL;
-        w->clean.outlier_limit = strtod(words->outliers, &end);
-        if (*end != '\0' || !(w->clean.outlier_limit >= 1 && isfinite(w->clean.outlier_limit))) {
+        double limit = 0;
+        if (haft_number_read(words->outliers, &limit) && limit >= 1) {
+            w->clean.outlier_limit = limit;
+        } else {
             status = haft_error_set(error, HAFT_ERROR_INPUT,
                                     "--outliers \"%s\" is no number of deviations; give 5, say",
                                     words->outliers);

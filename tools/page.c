@@ -116,7 +116,8 @@ static void write_formatted(page *p, const char *format, va_list args) HAFT_PRIN
 static void write_formatted(page *p, const char *format, va_list args) {
     char *text = NULL;
     if (vasprintf(&text, format, args) < 0) {
-        return; /* out of memory: the page's own stream will tell */
+        p->failed = true; /* page_store() tells */
+        return;
     }
     write_escaped(p->stream, text);
     free(text);
@@ -205,8 +206,8 @@ bool page_figure(page *p, const char *path, const char *caption) {
 
 haft_status page_store(page *p, const char *path, haft_error *error) {
     page_markup(p, "</main>\n</body>\n</html>\n");
-    bool failed = ferror(p->stream) != 0;
-    failed = fclose(p->stream) != 0 || failed;
+    bool failed = p->failed || ferror(p->stream) != 0;
+    failed = fclose(p->stream) != 0 || failed || p->text == NULL; /* the last may fail in silence */
     p->stream = NULL;
     haft_status status =
         failed ? haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for %s", path)

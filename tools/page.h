@@ -5,6 +5,7 @@
 
 #include "haft/base.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
 typedef struct page {
@@ -12,6 +13,7 @@ typedef struct page {
     char *text;
     size_t size;
     unsigned figures;
+    bool failed; /* memory, for a text or a picture */
 } page;
 
 /* Begins a page: head, style, heading. @return HAFT_ERROR_MEMORY. */

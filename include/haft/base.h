@@ -155,6 +155,19 @@ haft_status haft_file_stream(FILE **stream, const char *path, haft_error *error)
  *  @return HAFT_ERROR_IO, HAFT_ERROR_INPUT if it is larger, HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_file_read(char **bytes, size_t *size, const char *path, size_t most,
                            haft_error *error) HAFT_MUST_CHECK;
+/** Scans the decimal number that a text begins with: [sign] digits [. digits] [e [sign] digits], in
+ *  any locale; no hexadecimal number, "inf" or "nan". Thread-safe.
+ *  @param[in] text begins with the number, without blanks before it
+ *  @param[out] value the number; infinite or NaN where it is too large or too small for a double,
+ *  or goes on as a hexadecimal one; unchanged where there is none
+ *  @return how many characters the number has, 0 if there is none */
+size_t haft_number_scan(const char *text, double *value);
+
+/** Reads a text that is one finite decimal number and nothing else but blanks. Thread-safe.
+ *  @param[in] text the text
+ *  @param[out] value the number; unchanged on failure
+ *  @return whether it is one */
+bool haft_number_read(const char *text, double *value);
 
 /** A units database (UDUNITS-2). Not thread-safe: one thread at a time. */
 typedef struct haft_units haft_units;
@@ -165,14 +178,18 @@ haft_status haft_units_create(haft_units **out, haft_error *error) HAFT_MUST_CHE
 /** Frees it and sets the pointer to NULL; NULL is allowed. */
 void haft_units_destroy(haft_units **units);
 
-/** Reads a quantity such as "600 um", "163 GPa", "289 rad/um", "6.46e3 nm^4" or "85 %".
+/** Reads a quantity, one decimal number and one unit: "600 um", "163 GPa", "289 rad/um",
+ *  "6.46e3 nm^4", "85 %", "289 1/um".
  *  @param[in] units the database
- *  @param[in] text a number, then a unit; the unit may be missing only if `unit` is "1"
+ *  @param[in] text the number, then the unit: names with powers joined by blanks, '/', '*', '.' and
+ *  parentheses, without factors ("nm 2"), origins ("K @ 20", "s since 1990") or logarithms; only
+ *  "1/" may begin it; the unit may be missing only if `unit` is "1"
  *  @param[in] unit the unit wanted ("m", "Pa", "1"); its dimension must agree
  *  @param[out] value the quantity in `unit`, finite
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_INPUT if the text is no number, is not finite, lacks its unit, has an unknown
- *  unit or one of another dimension; the message names what was read and what is wanted. */
+ *  @return HAFT_ERROR_INPUT if the text is not of that form, is not finite, lacks its unit, has an
+ *  unknown unit or one of another dimension; the message names what was read and what is wanted.
+ *  HAFT_ERROR_MEMORY */
 haft_status haft_units_parse(const haft_units *units, const char *text, const char *unit,
                              double *value, haft_error *error) HAFT_MUST_CHECK;
 

@@ -398,6 +398,23 @@ void haft_io_drop_stale(const char *path);
 /** Writes a text to `path`, whole or not at all. Thread-safe for distinct paths. */
 haft_status haft_text_write(const char *path, const char *text, haft_error *error) HAFT_MUST_CHECK;
 
+/** Reads a text file whole. Thread-safe.
+ *  @param[out] text its bytes and a 0, for haft_memory_free(); NULL on failure
+ *  @param[out] size how many bytes there are before that 0
+ *  @param[in] path a regular file without NUL characters
+ *  @param[in] most the most bytes it may have
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than `most`
+ * or holds a NUL character, HAFT_ERROR_MEMORY */
+haft_status haft_text_read(char **text, size_t *size, const char *path, size_t most,
+                           haft_error *error) HAFT_MUST_CHECK;
+
+/** Takes the next line off a text, of any length, and ends it by a 0 in place of its line end (LF
+ *  or CR LF; the last line may lack one). Thread-safe for distinct texts.
+ *  @param[in,out] rest the text that is left, at first all of it
+ *  @return the line, NULL if there is none left */
+char *haft_text_line(char **rest);
+
 /** A column of a CSV file. */
 typedef struct haft_csv_column {
     const char *name;    /**< with its unit: "distance [nm]" */

@@ -52,21 +52,29 @@ haft_status haft_file_stream(FILE **out, const char *path, haft_error *error) {
     return status;
 }
 
-/* Reads `size` bytes, in spite of interruptions. */
+/* Reads `size` bytes, in spite of interruptions, and sees that there are no more. */
 static haft_status read_all(char *bytes, size_t size, int descriptor, const char *path,
                             haft_error *error) {
-    for (size_t done = 0; done < size;) {
-        ssize_t n = read(descriptor, bytes + done, size - done);
+    size_t done = 0;
+    while (done <= size) { /* there is room for one byte more */
+        ssize_t n = read(descriptor, bytes + done, size + 1 - done);
         if (n < 0 && errno == EINTR) {
             continue;
         }
-        if (n <= 0) {
+        if (n < 0) {
             return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", path,
-                                  n < 0 ? strerror(errno) : "it was cut short meanwhile");
+                                  strerror(errno));
+        }
+        if (n == 0) {
+            break;
         }
         done += (size_t)n;
     }
-    return HAFT_OK;
+    bytes[size] = '\0';
+    return done == size ? HAFT_OK
+                        : haft_error_set(error, HAFT_ERROR_IO,
+                                         "%s: cannot be read: it was %s meanwhile", path,
+                                         done < size ? "cut short" : "added to");
 }
 
 haft_status haft_file_read(char **out, size_t *size, const char *path, size_t most,

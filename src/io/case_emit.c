@@ -38,16 +38,25 @@ static bool is_present(const haft_case *c, const haft_key *key) {
     }
     double value = 0;
     memcpy(&value, field_of(c, key), sizeof value);
-    return isfinite(value) && value != 0;
+    bool nil = key->low < 0 || (key->low == 0 && key->low_in); /* then a 0 has been given */
+    return isfinite(value) && (value != 0 || nil);
 }
 
+/* In double quotes, with escapes for what YAML would take otherwise or not at all. */
 static void write_quoted(FILE *stream, const char *text) {
     fputc('"', stream);
-    for (; *text != '\0'; text++) {
-        if (*text == '"' || *text == '\\') {
-            fputc('\\', stream);
+    for (const char *at = text; *at != '\0';) {
+        uint32_t code = (unsigned char)*at;
+        size_t n = haft_text_character(at, strlen(at), &code);
+        n = n == 0 ? 1 : n;
+        if (code == '"' || code == '\\') {
+            fprintf(stream, "\\%c", (int)code);
+        } else if (!haft_text_is_printable(code)) {
+            fprintf(stream, code < 0x100 ? "\\x%02" PRIx32 : "\\u%04" PRIx32, code);
+        } else {
+            fwrite(at, 1, n, stream);
         }
-        fputc(*text, stream);
+        at += n;
     }
     fputc('"', stream);
 }
@@ -128,33 +137,49 @@ static void write_value(FILE *stream, const haft_case *c, const haft_key *key) {
     }
 }
 
-/* Writes the lines that open the sections `path` lies in and that `last` does not. */
-static int open_sections(FILE *stream, const char *path, const char *last) {
-    int depth = 0;
-    const char *start = path;
-    for (const char *dot = strchr(path, '.'); dot != NULL; dot = strchr(start, '.')) {
-        size_t n = (size_t)(dot - path) + 1;
-        if (strncmp(path, last, n) != 0) {
-            fprintf(stream, "%*s%.*s:\n", 2 * depth, "", (int)(dot - start), start);
-        }
-        start = dot + 1;
-        depth++;
-    }
-    return depth;
+/* The section that lies directly in `section` ("" for the top) and in which, or in a part of which,
+ * a key lies: its length in the key's path; 0 if the key lies in `section` itself. */
+static size_t inner_section(const char *path, const char *section, size_t length) {
+    size_t skip = length > 0 ? length + 1 : 0;
+    const char *dot = strncmp(path, section, length) == 0 ? strchr(path + skip, '.') : NULL;
+    return dot == NULL ? 0 : (size_t)(dot - path);
 }
 
-static void write_case(FILE *stream, const haft_case *c) {
-    const char *last = "";
+static bool lies_in(const haft_key *key, const char *section, size_t length) {
+    return length == 0 || (strncmp(key->path, section, length) == 0 && key->path[length] == '.');
+}
+
+/* One section whole, at the place of its first key: wherever the schema's table has the keys of a
+ * section, each section is opened once. The first `length` characters of `section` name it. */
+static void write_section(FILE *stream, const haft_case *c, const char *section, size_t length,
+                          int depth) {
     for (size_t i = 0; i < haft_case_key_count; i++) {
         const haft_key *key = &haft_case_keys[i];
-        if (is_present(c, key)) {
-            int depth = open_sections(stream, key->path, last);
+        if (!lies_in(key, section, length) || !is_present(c, key)) {
+            continue;
+        }
+        size_t inner = inner_section(key->path, section, length);
+        if (inner == 0) {
             fprintf(stream, "%*s%s: ", 2 * depth, "", haft_case_leaf(key->path));
             write_value(stream, c, key);
             fputc('\n', stream);
-            last = key->path;
+            continue;
+        }
+        bool first = true;
+        for (size_t k = 0; k < i && first; k++) {
+            first = !lies_in(&haft_case_keys[k], key->path, inner) ||
+                    !is_present(c, &haft_case_keys[k]);
+        }
+        if (first) {
+            size_t skip = length > 0 ? length + 1 : 0;
+            fprintf(stream, "%*s%.*s:\n", 2 * depth, "", (int)(inner - skip), key->path + skip);
+            write_section(stream, c, key->path, inner, depth + 1);
         }
     }
+}
+
+static void write_case(FILE *stream, const haft_case *c) {
+    write_section(stream, c, "", 0, 0);
 }
 
 static void write_input(FILE *stream, const haft_case *c, const haft_key *key) {
@@ -206,7 +231,7 @@ static haft_status write_text(char **text, size_t *size, const haft_case *c,
     }
     write(stream, c);
     bool failed = ferror(stream) != 0;
-    failed = fclose(stream) != 0 || failed;
+    failed = fclose(stream) != 0 || failed || *text == NULL; /* the last may fail in silence */
     if (failed) {
         free(*text);
         *text = NULL;

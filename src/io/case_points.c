@@ -3,12 +3,9 @@
  * other columns are passed over. And the water film, which is given so. */
 #include "case.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { POINTS_MOST = 4096, LINE_CAPACITY = 1024, BYTES_MOST = 1 << 22 };
+enum { POINTS_MOST = 4096, NUMBER_CAPACITY = 400, BYTES_MOST = 1 << 22 };
 
 static bool find_columns(const char *line, const char *const names[2], size_t place[2]) {
     bool found[2] = {false, false};
@@ -27,6 +24,7 @@ static bool find_columns(const char *line, const char *const names[2], size_t pl
     return found[0] && found[1];
 }
 
+/* The number in one column of a line, which is cut there. */
 static bool find_number(const char *line, size_t place, double *value) {
     for (size_t k = 0; k < place; k++) {
         line = strchr(line, ',');
@@ -35,24 +33,29 @@ static bool find_number(const char *line, size_t place, double *value) {
         }
         line++;
     }
-    char *end = NULL;
-    *value = strtod(line, &end);
-    return end != line && strchr(", \t\r\n", *end) != NULL && isfinite(*value);
+    char field[NUMBER_CAPACITY];
+    size_t n = strcspn(line, ",");
+    if (n >= sizeof field) {
+        return false;
+    }
+    memcpy(field, line, n);
+    field[n] = '\0';
+    return haft_number_read(field, value);
 }
 
-static haft_status read_lines(double *points, size_t *n, FILE *stream, const char *path,
+static haft_status read_lines(double *points, size_t *n, char *text, const char *path,
                               const char *const names[2], const double factors[2],
                               haft_error *error) {
-    char line[LINE_CAPACITY];
     size_t place[2] = {0, 0}, number = 1;
-    if (fgets(line, sizeof line, stream) == NULL || !find_columns(line, names, place)) {
+    char *line = haft_text_line(&text);
+    if (line == NULL || !find_columns(line, names, place)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "%s:1: the first line must name the columns, as in \"%s,%s\"", path,
                               names[0], names[1]);
     }
-    while (fgets(line, sizeof line, stream) != NULL) {
+    for (line = haft_text_line(&text); line != NULL; line = haft_text_line(&text)) {
         number++;
-        if (line[strspn(line, " \t\r\n")] == '\0') {
+        if (line[strspn(line, " \t")] == '\0') {
             continue;
         }
         double value[2];
@@ -74,27 +77,25 @@ static haft_status read_lines(double *points, size_t *n, FILE *stream, const cha
     return HAFT_OK;
 }
 
-/* The file's bytes are read and digested first, and the lines taken from those. */
+/* The file's bytes are digested first, and the lines taken from those. */
 haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *files,
                                   const char *const names[2], const double factors[2],
                                   haft_error *error) {
     const char *path = files->path[0];
+    char *text = NULL;
+    size_t size = 0;
     *n = 0;
     *points = haft_memory_alloc(POINTS_MOST, 2 * sizeof **points, error);
-    char *bytes = NULL;
-    size_t size = 0;
-    haft_status status = *points == NULL ? HAFT_ERROR_MEMORY
-                                         : haft_file_read(&bytes, &size, path, BYTES_MOST, error);
+    haft_status status =
+        *points == NULL ? HAFT_ERROR_MEMORY : haft_text_read(&text, &size, path, BYTES_MOST, error);
     if (status == HAFT_OK && size == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: is empty", path);
     }
-    FILE *stream = status == HAFT_OK ? fmemopen(bytes, size, "r") : NULL;
-    if (stream != NULL) {
-        haft_digest_memory(bytes, size, files->digest[0]);
-        status = read_lines(*points, n, stream, path, names, factors, error);
-        fclose(stream);
+    if (status == HAFT_OK) {
+        haft_digest_memory(text, size, files->digest[0]);
+        status = read_lines(*points, n, text, path, names, factors, error);
     }
-    haft_memory_free(bytes);
+    haft_memory_free(text);
     return status;
 }
 

@@ -137,6 +137,19 @@ static void spell_degrees(const haft_key *key, const char *text,
     snprintf(spelled, QUANTITY_CAPACITY + sizeof "ree", "%s%s", text, degrees ? "ree" : "");
 }
 
+/* Appends an example to what is wrong with a quantity, unless memory was. */
+static void complain_of_quantity(haft_case_reader *reader, const haft_key *key,
+                                 const haft_error *problem, haft_mark mark) {
+    if (problem->status == HAFT_ERROR_MEMORY || problem->status == HAFT_ERROR_LIBRARY) {
+        haft_error_set(reader->error, problem->status, "%s: %s", reader->path, problem->message);
+        reader->failure = problem->status;
+        return;
+    }
+    haft_case_complain(reader, mark, key->path, "%s%s \"%s: %s\"", problem->message,
+                       strchr(problem->message, ';') != NULL ? ", as in" : "; write it as in",
+                       haft_case_leaf(key->path), key->example);
+}
+
 static bool store_real(haft_case_reader *reader, const haft_key *key, size_t entry,
                        const char *text, size_t length, haft_mark mark) {
     if (length > QUANTITY_CAPACITY) {
@@ -151,9 +164,7 @@ static bool store_real(haft_case_reader *reader, const haft_key *key, size_t ent
     double value = 0;
     haft_status status = haft_units_parse(reader->units, spelled, key->unit, &value, &problem);
     if (status != HAFT_OK) {
-        haft_case_complain(reader, mark, key->path, "%s%s \"%s: %s\"", problem.message,
-                           strchr(problem.message, ';') != NULL ? ", as in" : "; write it as in",
-                           haft_case_leaf(key->path), key->example);
+        complain_of_quantity(reader, key, &problem, mark);
         return false;
     }
     bool inside = (key->low_in ? value >= key->low : value > key->low) &&
@@ -209,6 +220,19 @@ static bool store_evidence(haft_case_reader *reader, const haft_key *key, size_t
     return true;
 }
 
+/* A path that is no UTF-8 cannot be written into a resolved case. */
+static bool is_text(const char *text) {
+    size_t size = strlen(text);
+    for (size_t i = 0, n; i < size; i += n) {
+        uint32_t code = 0;
+        n = haft_text_character(text + i, size - i, &code);
+        if (n == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /* A file's path, from the folder of the case where it is not absolute. */
 static bool store_file(haft_case_reader *reader, const haft_key *key, size_t entry,
                        const char *text, haft_mark mark) {
@@ -217,7 +241,19 @@ static bool store_file(haft_case_reader *reader, const haft_key *key, size_t ent
     int folder = text[0] == '/' || slash == NULL ? 0 : (int)(slash - reader->path) + 1;
     char joined[HAFT_PATH_CAPACITY];
     int n = snprintf(joined, sizeof joined, "%.*s%s", folder, reader->path, text);
+    errno = 0;
     char *whole = n > 0 && n < HAFT_PATH_CAPACITY ? realpath(joined, NULL) : NULL;
+    if (whole == NULL && errno == ENOMEM) {
+        reader->failure = haft_error_set(reader->error, HAFT_ERROR_MEMORY,
+                                         "%s: out of memory for a path", reader->path);
+        return false;
+    }
+    if (whole != NULL && !is_text(whole)) {
+        haft_case_complain(reader, mark, key->path,
+                           "lies in a folder, or is a file, whose name is not UTF-8; rename it");
+        free(whole);
+        return false;
+    }
     if (whole == NULL || strlen(whole) >= HAFT_PATH_CAPACITY) {
         haft_case_complain(reader, mark, key->path,
                            "there is no file %.300s; give a path from the "

@@ -55,7 +55,7 @@ haft_status haft_csv_write(const char *path, size_t rows, size_t columns,
     if (!failed) {
         write_rows(stream, rows, columns, column);
         failed = ferror(stream) != 0;
-        failed = fclose(stream) != 0 || failed;
+        failed = fclose(stream) != 0 || failed || text == NULL; /* the last may fail in silence */
     }
     if (failed) {
         free(text);

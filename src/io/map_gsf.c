@@ -51,9 +51,7 @@ static haft_status read_header(gsf_header *h, const haft_map_file *file, const c
         }
         for (int k = 0; k < 4; k++) {
             if (strcmp(name, names[k]) == 0) {
-                char *rest = NULL;
-                *values[k] = strtod(value, &rest);
-                if (rest == value || *rest != '\0' || !(*values[k] > 0 && isfinite(*values[k]))) {
+                if (!haft_number_read(value, values[k]) || !(*values[k] > 0)) {
                     return haft_error_set(error, HAFT_ERROR_INPUT,
                                           "%s: %s is \"%s\"; it must be a positive number",
                                           file->path, name, haft_map_quote(quoted, value, 40));

@@ -6,7 +6,6 @@
  * places without a point are missing. */
 #include "map_file.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +13,7 @@
 
 enum {
     TOKEN_CAPACITY = 64,
+    UNIT_CAPACITY = 24,
     LINE_MOST = 1 << 22, /* bytes of a line: more than the longest row of a map needs */
 };
 static const double GRID_TOLERANCE = 0.01; /* of a step, by which a point may be off the grid */
@@ -50,18 +50,33 @@ static const char *after(const char *line, const char *english, const char *germ
     return NULL;
 }
 
-/* "12,34 um" in metres. */
-static bool read_length(const char *text, double *value) {
-    char number[TOKEN_CAPACITY], unit[24], *rest = NULL;
-    if (sscanf(text, "%63s %23s", number, unit) != 2) {
+/* The one word that a text is, but for blanks about it; false if it is none or more. */
+static bool take_word(const char *text, char word[UNIT_CAPACITY]) {
+    text += strspn(text, " \t");
+    size_t n = strcspn(text, " \t");
+    if (n == 0 || n >= UNIT_CAPACITY || text[n + strspn(text + n, " \t")] != '\0') {
         return false;
     }
+    memcpy(word, text, n);
+    word[n] = '\0';
+    return true;
+}
+
+/* "12,34 um" in metres: one decimal number and one unit. */
+static bool read_length(const char *text, double *value) {
+    char number[TOKEN_CAPACITY], unit[UNIT_CAPACITY];
+    double factor = 0;
+    size_t n = strcspn(text, " \t");
+    if (n >= sizeof number || !take_word(text + n, unit)) {
+        return false;
+    }
+    memcpy(number, text, n);
+    number[n] = '\0';
     char *comma = strchr(number, ',');
     if (comma != NULL) {
         *comma = '.';
     }
-    double factor = strtod(number, &rest);
-    return rest != number && *rest == '\0' && haft_map_length(factor, unit, value) && *value > 0;
+    return haft_number_read(number, &factor) && haft_map_length(factor, unit, value) && *value > 0;
 }
 
 static haft_status read_title(table *t, const haft_map_file *file, size_t number, const char *line,
@@ -83,9 +98,8 @@ static haft_status read_title(table *t, const haft_map_file *file, size_t number
                      height, strlen(height), error);
     }
     if (unit != NULL) {
-        char name[24] = "";
-        sscanf(unit, "%23s", name);
-        if (!haft_map_length(1, name, &t->unit)) {
+        char name[UNIT_CAPACITY] = "";
+        if (!take_word(unit, name) || !haft_map_length(1, name, &t->unit)) {
             return wrong(file, number, "the values are no heights but in", unit, strlen(unit),
                          error);
         }
@@ -166,7 +180,7 @@ static haft_status check_sides(const table *t, const haft_map_file *file, size_t
 
 /* One number from a token; a comma in it is a decimal one. */
 static bool read_number(const char *text, size_t n, double *value) {
-    char token[TOKEN_CAPACITY], *rest = NULL;
+    char token[TOKEN_CAPACITY];
     if (n == 0 || n >= sizeof token) {
         return false;
     }
@@ -176,11 +190,11 @@ static bool read_number(const char *text, size_t n, double *value) {
     if (comma != NULL) {
         *comma = '.';
     }
-    if (isalpha((unsigned char)token[0]) && strcasecmp(token, "nan") != 0) {
-        return false;
+    if (strcasecmp(token + (token[0] == '-' || token[0] == '+'), "nan") == 0) {
+        *value = NAN; /* a missing pixel */
+        return true;
     }
-    *value = strtod(token, &rest);
-    return *rest == '\0' && !isinf(*value) && strpbrk(token, "xXpP") == NULL;
+    return haft_number_read(token, value);
 }
 
 static haft_status read_row(table *t, const haft_map_file *file, size_t number, const char *line,

@@ -313,7 +313,9 @@ static haft_status read_names(haft_parts *parts, const char *prefix, haft_error 
                               strerror(errno));
     }
     parts->file = calloc((size_t)n + 1, sizeof *parts->file);
-    haft_status status = HAFT_OK;
+    haft_status status = parts->file != NULL ? HAFT_OK
+                                             : haft_error_set(error, HAFT_ERROR_MEMORY,
+                                                              "out of memory for a list of parts");
     for (int i = 0; i < n; i++) {
         bool ours = strncmp(entry[i]->d_name, prefix, strlen(prefix)) == 0;
         char *name = ours && parts->file != NULL ? strdup(entry[i]->d_name) : NULL;

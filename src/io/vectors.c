@@ -3,13 +3,12 @@
  */
 #include "haft/io.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { COLUMNS = HAFT_CHAOS_DIMENSION, FIELDS_LIMIT = 256, NAME_CAPACITY = 64 };
+static const size_t BYTES_MOST = (size_t)1 << 31;
 
 static const struct {
     const char *name, *unit, *example;
@@ -27,25 +26,39 @@ typedef struct layout {
     size_t fields;
 } layout;
 
-/* Splits a line at its commas, in place; @return how many fields it has. */
+/* Splits a line at its commas, in place; @return how many fields it has, more than FIELDS_LIMIT if
+ * it has too many. */
 static size_t split(char *line, char *field[FIELDS_LIMIT]) {
     size_t n = 0;
-    line[strcspn(line, "\r\n")] = '\0';
-    for (char *at = line; n < FIELDS_LIMIT; at++) {
-        field[n++] = at;
-        at = strchr(at, ',');
-        if (at == NULL) {
-            break;
+    for (char *at = line; at != NULL; n++) {
+        if (n == FIELDS_LIMIT) {
+            return n + 1;
         }
-        *at = '\0';
+        field[n] = at;
+        at = strchr(at, ',');
+        if (at != NULL) {
+            *at++ = '\0';
+        }
     }
     return n;
 }
 
-/* "e [mJ/m2]" into its name and its unit. */
+/* "e [mJ/m2]" into its name and its unit; false where it is neither a name nor both. */
 static bool name_and_unit(const char *field, char name[NAME_CAPACITY], char unit[NAME_CAPACITY]) {
-    unit[0] = '\0';
-    return sscanf(field, " %63[^][ \t] [%63[^]]]", name, unit) >= 1;
+    field += strspn(field, " \t");
+    size_t n = strcspn(field, "[] \t");
+    const char *rest = field + n + strspn(field + n, " \t");
+    size_t m = *rest == '[' ? strcspn(rest + 1, "[]") : 0;
+    if (n == 0 || n >= NAME_CAPACITY || m >= NAME_CAPACITY) {
+        return false;
+    }
+    memcpy(name, field, n);
+    name[n] = '\0';
+    memcpy(unit, rest + (*rest == '['), m);
+    unit[m] = '\0';
+    const char *end = *rest == '[' ? rest + 1 + m : rest;
+    end += *rest == '[' && *end == ']';
+    return end[strspn(end, " \t")] == '\0' && (*rest != '[' || end[-1] == ']');
 }
 
 static haft_status read_factor(const haft_units *units, const char *path, size_t i,
@@ -53,7 +66,13 @@ static haft_status read_factor(const haft_units *units, const char *path, size_t
     char text[NAME_CAPACITY + 4];
     snprintf(text, sizeof text, "1 %s", unit);
     haft_error own = {0};
-    if (unit[0] == '\0' || haft_units_parse(units, text, wanted[i].unit, factor, &own) != HAFT_OK) {
+    haft_status status = unit[0] == '\0'
+                             ? HAFT_ERROR_INPUT
+                             : haft_units_parse(units, text, wanted[i].unit, factor, &own);
+    if (status == HAFT_ERROR_MEMORY) {
+        return haft_error_set(error, status, "%s: %s", path, own.message);
+    }
+    if (status != HAFT_OK) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "%s:1: the column %s has no unit of %s, but \"%s\"; name it as in "
                               "\"%s\"",
@@ -68,6 +87,10 @@ static haft_status read_layout(layout *l, const haft_units *units, const char *p
     bool found[COLUMNS] = {false};
     l->fields = split(line, field);
     l->fault = SIZE_MAX;
+    if (l->fields > FIELDS_LIMIT) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "%s:1: has more than %d columns", path,
+                              FIELDS_LIMIT);
+    }
     for (size_t k = 0; k < l->fields; k++) {
         if (!name_and_unit(field[k], name, unit)) {
             continue;
@@ -97,8 +120,8 @@ static haft_status read_layout(layout *l, const haft_units *units, const char *p
 
 /* Nothing but a 0, however it is written. */
 static bool is_zero(const char *field) {
-    char *end = NULL;
-    return strtod(field, &end) == 0 && end != field && *(end + strspn(end, " \t")) == '\0';
+    double value = 1;
+    return haft_number_read(field, &value) && value == 0;
 }
 
 /* One line into a vector; *sound false where the line itself says that it holds none. */
@@ -115,15 +138,14 @@ static haft_status read_row(const layout *l, const char *path, size_t number, ch
     *sound = l->fault == SIZE_MAX || is_zero(field[l->fault]);
     double value[COLUMNS] = {0};
     for (size_t i = 0; i < COLUMNS && *sound; i++) {
-        char *end = NULL;
-        value[i] = strtod(field[l->field[i]], &end) * l->factor[i];
-        if (end == field[l->field[i]] || *(end + strspn(end, " \t")) != '\0' ||
-            !isfinite(value[i])) {
+        if (!haft_number_read(field[l->field[i]], &value[i]) ||
+            !isfinite(value[i] * l->factor[i])) {
             return haft_error_set(error, HAFT_ERROR_INPUT,
-                                  "%s:%zu: %s is \"%.40s\", no finite number; mend it or leave the "
-                                  "line out",
+                                  "%s:%zu: %s is \"%.40s\", no finite decimal number; mend it or "
+                                  "leave the line out",
                                   path, number, wanted[i].name, field[l->field[i]]);
         }
+        value[i] *= l->factor[i];
     }
     *vector = (haft_law_vector){value[0], value[1], value[2], value[3]};
     return HAFT_OK;
@@ -144,19 +166,15 @@ static haft_status grow(haft_law_vector **vector, size_t held, size_t *room, haf
     return HAFT_OK;
 }
 
-static haft_status read_stream(haft_law_vector **vector, size_t *m, const haft_units *units,
-                               FILE *stream, const char *path, haft_error *error) {
-    char *line = NULL;
-    size_t capacity = 0, room = 0, number = 0;
+static haft_status read_lines(haft_law_vector **vector, size_t *m, const haft_units *units,
+                              char *text, const char *path, haft_error *error) {
+    size_t room = 0, number = 1;
     layout l = {.fields = 0};
-    haft_status status = HAFT_OK;
-    while (status == HAFT_OK && getline(&line, &capacity, stream) >= 0) {
+    char *line = haft_text_line(&text);
+    haft_status status = line != NULL ? read_layout(&l, units, path, line, error) : HAFT_OK;
+    while (status == HAFT_OK && (line = haft_text_line(&text)) != NULL) {
         number++;
-        if (number == 1) {
-            status = read_layout(&l, units, path, line, error);
-            continue;
-        }
-        if (line[strspn(line, " \t\r\n")] == '\0') {
+        if (line[strspn(line, " \t")] == '\0') {
             continue;
         }
         if (*m == room) {
@@ -167,11 +185,6 @@ static haft_status read_stream(haft_law_vector **vector, size_t *m, const haft_u
             status = read_row(&l, path, number, line, *vector + *m, &sound, error);
         }
         *m += status == HAFT_OK && sound;
-    }
-    free(line);
-    if (status == HAFT_OK && ferror(stream)) {
-        status =
-            haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
     }
     if (status == HAFT_OK && *m == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
@@ -187,17 +200,17 @@ haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *p
     *vector = NULL;
     *m = 0;
     haft_units *units = NULL;
-    FILE *stream = NULL;
-    haft_status status = haft_file_stream(&stream, path, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    status = haft_units_create(&units, error);
+    char *text = NULL;
+    size_t size = 0;
+    haft_status status = haft_text_read(&text, &size, path, BYTES_MOST, error);
     if (status == HAFT_OK) {
-        status = read_stream(vector, m, units, stream, path, error);
+        status = haft_units_create(&units, error);
+    }
+    if (status == HAFT_OK) {
+        status = read_lines(vector, m, units, text, path, error);
     }
     haft_units_destroy(&units);
-    fclose(stream);
+    haft_memory_free(text);
     if (status != HAFT_OK) {
         haft_memory_free(*vector);
         *vector = NULL;

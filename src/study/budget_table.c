@@ -10,7 +10,7 @@
 
 static const char HEADER[] = "term,kind,change,beams,switched,from [um],to [um],shift [um],"
                              "half width [um],cost [1],case";
-enum { COLUMNS = 11, LINE_CAPACITY = 1024 };
+enum { COLUMNS = 11, BYTES_MOST = 1 << 20 };
 
 static const char SAMPLE[] = "sample count", TOTAL[] = "sum of refinements",
                   MODELS[] = "sum of other models", INTERACTION[] = "interaction";
@@ -79,7 +79,7 @@ haft_status haft_study_write_budget(const haft_budget *budget, const haft_case *
     if (!failed) {
         write_rows(stream, budget, digest);
         failed = ferror(stream) != 0;
-        failed = fclose(stream) != 0 || failed;
+        failed = fclose(stream) != 0 || failed || text == NULL; /* the last may fail in silence */
     }
     status = failed ? haft_error_set(error, HAFT_ERROR_MEMORY, "%s: out of memory", path)
                     : haft_text_write(path, text, error);
@@ -116,6 +116,20 @@ static size_t split(char *line, char *field[COLUMNS]) {
         from++;
     }
     return n;
+}
+
+/* Counts in fields 3 and 4, numbers or "nan" in 5 to 9. */
+static bool are_numbers(char *field[COLUMNS]) {
+    bool good = true;
+    for (size_t k = 3; k < COLUMNS - 1; k++) {
+        double value = NAN;
+        const char *word = field[k] + (field[k][0] == '-');
+        bool count = field[k][0] != '\0' && field[k][strspn(field[k], "0123456789")] == '\0';
+        good = good && (k < 5 ? count
+                              : haft_number_read(field[k], &value) || strcmp(word, "nan") == 0 ||
+                                    strcmp(word, "inf") == 0);
+    }
+    return good;
 }
 
 static void take_term(haft_budget_term *t, char *field[COLUMNS]) {
@@ -156,24 +170,15 @@ static void take_row(haft_budget *out, char *field[COLUMNS]) {
     }
 }
 
-haft_status haft_study_read_budget(haft_budget *out, const haft_case *c, const char *path,
-                                   haft_error *error) {
-    char digest[HAFT_DIGEST_CAPACITY], line[LINE_CAPACITY], *field[COLUMNS];
-    *out = (haft_budget){0};
-    haft_status status = digest_of(digest, c, error);
-    FILE *stream = NULL;
-    if (status == HAFT_OK) {
-        status = haft_file_stream(&stream, path, error);
-    }
-    if (status != HAFT_OK) {
-        return status;
-    }
-    bool good =
-        fgets(line, sizeof line, stream) != NULL && strncmp(line, HEADER, strlen(HEADER)) == 0;
-    while (good && fgets(line, sizeof line, stream) != NULL) {
-        good = split(line, field) == COLUMNS;
+/* Every row has all its fields and is of this case, and the last row is the last that is written.
+ */
+static haft_status read_rows(haft_budget *out, const char *digest, char *text, const char *path,
+                             haft_error *error) {
+    char *field[COLUMNS], *line = haft_text_line(&text);
+    bool good = line != NULL && strcmp(line, HEADER) == 0, whole = false;
+    while (good && (line = haft_text_line(&text)) != NULL) {
+        good = split(line, field) == COLUMNS && are_numbers(field);
         if (good && strcmp(field[COLUMNS - 1], digest) != 0) {
-            fclose(stream);
             return haft_error_set(error, HAFT_ERROR_INPUT,
                                   "%s is of another case than there is now; measure it anew with "
                                   "`haft budget`",
@@ -181,14 +186,30 @@ haft_status haft_study_read_budget(haft_budget *out, const haft_case *c, const c
         }
         if (good) {
             take_row(out, field);
+            whole = strcmp(field[0], MODELS) == 0;
         }
     }
-    fclose(stream);
-    if (!good || out->beams < 2 || out->count == 0) {
+    if (!good || !whole || out->beams < 2 || out->count == 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "%s is no budget that Haft wrote, or damaged; measure it anew with "
                               "`haft budget`",
                               path);
     }
     return HAFT_OK;
+}
+
+haft_status haft_study_read_budget(haft_budget *out, const haft_case *c, const char *path,
+                                   haft_error *error) {
+    char digest[HAFT_DIGEST_CAPACITY], *text = NULL;
+    size_t size = 0;
+    *out = (haft_budget){0};
+    haft_status status = digest_of(digest, c, error);
+    if (status == HAFT_OK) {
+        status = haft_text_read(&text, &size, path, BYTES_MOST, error);
+    }
+    if (status == HAFT_OK) {
+        status = read_rows(out, digest, text, path, error);
+    }
+    haft_memory_free(text);
+    return status;
 }

@@ -167,7 +167,7 @@ static void cases_resolve_and_are_digested(void **state) {
     refuse(&s, "surface: {maps: none.gsf, grid_step: 10 nm}", "there is no file");
     refuse(&s, "surface: {maps: a.gsf, s_0: 1 nm^4, grid_step: 10 nm}", "beside surface.maps");
     refuse(&s, "surface: {maps: a.gsf, psd: a.gsf, grid_step: 10 nm}", "leave one out");
-    refuse(&s, "surface: {psd: a.gsf, grid_step: 10 nm}", "must name the columns");
+    refuse(&s, "surface: {psd: a.gsf, grid_step: 10 nm}", "holds a NUL character");
     refuse(&s, "surface: {maps: a.gsf, grid_step: 20 nm}", "too coarse");
     refuse(&s,
            "surface: {maps: a.gsf, channel: Phase, marginal: johnson, skewness: 2, kurtosis: 3, "

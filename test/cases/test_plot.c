@@ -217,11 +217,79 @@ static void a_run_is_held_against_another(void **state) {
     case_remove(&b);
 }
 
+/* A gnuplot before the real one in the path: a shell script. */
+static void write_gnuplot(const case_folder *c, const char *script) {
+    char path[400];
+    snprintf(path, sizeof path, "%s/gnuplot", c->top.folder);
+    write_file(path, script, strlen(script));
+    assert_int_equal(chmod(path, 0755), 0);
+}
+
+static ran run_with_gnuplot(const case_folder *c, const char *command) {
+    char text[1600];
+    snprintf(text, sizeof text, "cd '%s' && PATH='%s':\"$PATH\" exec %s", c->top.folder,
+             c->top.folder, command);
+    return run_expect(4, "/bin/sh", ARGS("-c", text));
+}
+
+/* A disk that is full for gnuplot alone: its writes fail and it says nothing. What was drawn before
+ * stays, and nothing else is left. */
+static void figures_that_are_cut_are_told(void **state) {
+    (void)state;
+    if (!have_gnuplot()) {
+        skip();
+    }
+    static const char *const scripts[] = {
+        "#!/bin/sh\nPATH=${PATH#*:}\ntrap '' XFSZ\nulimit -f 8\nexec gnuplot \"$@\"\n",
+        "#!/bin/sh\nexit 0\n"};
+    static const char map_text[] = "# Width: 2 um\n# Height: 2 um\n# Value units: nm\n"
+                                   "1 2 5\n3 4 1\n1 5 2\n";
+    char command[800], path[400];
+    case_folder c = case_create(NULL);
+    must_run(HAFT, ARGS("run", "--quiet", c.path));
+    must_run(HAFT, ARGS("plot", "--quiet", c.path));
+    char *names = listing(&c);
+    size_t size = 0;
+    char *figure = read_whole_file(path_in(&c, "out/plots/surface.png", path), &size);
+    snprintf(path, sizeof path, "%s/m.txt", c.top.folder);
+    write_file(path, map_text, strlen(map_text));
+    for (size_t i = 0; i < 2; i++) {
+        write_gnuplot(&c, scripts[i]);
+        snprintf(command, sizeof command, "'%s' plot '%s'", HAFT, c.path);
+        ran r = run_with_gnuplot(&c, command);
+        check_says(r.err, "is the disk full?");
+        check_silent_about(r.out, "figures in");
+        ran_free(&r);
+        check_pictures(&c, false, false); /* the old ones */
+        size_t now = 0;
+        char *kept = read_whole_file(path_in(&c, "out/plots/surface.png", path), &now);
+        assert_true(now == size && memcmp(kept, figure, size) == 0);
+        free(kept);
+        snprintf(path, sizeof path, "ls '%s/out/plots' | grep -c tmp > /dev/null", c.path);
+        assert_true(system(path) != 0);
+        snprintf(command, sizeof command, "'%s' inspect --output=seen m.txt", HAFT_LAWS);
+        r = run_with_gnuplot(&c, command);
+        check_says(r.err, "is the disk full?");
+        check_says(r.out, "rms");
+        check_silent_about(r.out, "figure and data in");
+        ran_free(&r);
+        snprintf(path, sizeof path, "%s/seen/map.png", c.top.folder);
+        assert_true(access(path, F_OK) != 0);
+    }
+    char *after = listing(&c);
+    assert_string_equal(names, after);
+    free(after);
+    free(names);
+    free(figure);
+    case_remove(&c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_run_is_drawn),           cmocka_unit_test(odd_runs_are_drawn_too),
-        cmocka_unit_test(any_realization_is_drawn), cmocka_unit_test(a_run_is_held_against_another),
-        cmocka_unit_test(what_is_missing_is_told),  cmocka_unit_test(a_narrow_strip_has_no_rings),
+        cmocka_unit_test(figures_that_are_cut_are_told), cmocka_unit_test(a_run_is_drawn),
+        cmocka_unit_test(odd_runs_are_drawn_too),        cmocka_unit_test(any_realization_is_drawn),
+        cmocka_unit_test(a_run_is_held_against_another), cmocka_unit_test(what_is_missing_is_told),
+        cmocka_unit_test(a_narrow_strip_has_no_rings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,8 +9,11 @@ set datafile columnheaders
 title_text = system("printenv HAFT_TITLE")
 if (strlen(title_text) > 100) { title_text = title_text[1:97]."..." }
 
-open_png(name, w, h) = sprintf("set terminal pngcairo enhanced butt size %d,%d background 'white' font 'DejaVu Sans,15' linewidth 1.6 dashlength 1.6; set output '%s.png'", w, h, name)
-open_svg(name, w, h) = sprintf("set terminal svg enhanced butt size %d,%d dynamic background 'white' font 'DejaVu Sans,18' linewidth 1.6 dashlength 1.6; set output '%s.svg'", w, h, name)
+# Where figures are drawn before they are checked and put in their place; here, if nobody checks.
+if (!exists("draft")) { draft = "" }
+
+open_png(name, w, h) = sprintf("set terminal pngcairo enhanced butt size %d,%d background 'white' font 'DejaVu Sans,15' linewidth 1.6 dashlength 1.6; set output '%s%s.png'", w, h, draft, name)
+open_svg(name, w, h) = sprintf("set terminal svg enhanced butt size %d,%d dynamic background 'white' font 'DejaVu Sans,18' linewidth 1.6 dashlength 1.6; set output '%s%s.svg'", w, h, draft, name)
 # The SVG terminal draws points larger and sets labels further out.
 open_figure(kind, name, w, h) = kind eq "svg" ? open_svg(name, w, h)."; dot = 0.6; drop = 0.7; set xlabel offset 0, drop; set xtics offset 0, 0.2" : open_png(name, w, h)."; dot = 1; drop = 0; set xlabel offset 0, drop; set xtics offset 0, 0"
 dot = 1
