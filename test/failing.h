@@ -184,6 +184,7 @@ static inline void failing_end(failing *f) {
     printf("%s: %zu runs, %zu ended with a message, %zu with the whole result, %zu in a foreign "
            "library; %lu allocations of its own, %lu in all\n",
            f->name, f->runs, f->refused, f->completed, f->foreign, f->own, f->all);
+    fflush(stdout);
     case_remove(&f->before);
     case_remove(&f->work);
     case_remove(&f->sound);
@@ -296,6 +297,10 @@ static inline void put_map(const case_folder *c, char path[400]) {
     write_file(path_in(c, "map.txt", path), text, n);
 }
 
+/* The small case with narrow patches and coarse curves: the same allocations in less time. */
+static const edit tiny[] = {
+    {"step: 0.2 nm", "step: 1 nm"}, {"width: 3 um", "width: 1 um"}, {NULL, NULL}};
+
 /* Makes the command of that name ready, with its folders. */
 static inline void failing_create(failing *f, const char *name, failing_mode mode) {
     static const char *const none[] = {NULL}, *const page[] = {"out/report.html", NULL},
@@ -308,9 +313,9 @@ static inline void failing_create(failing *f, const char *name, failing_mode mod
                                               "out/resolved.yaml",
                                               NULL};
     *f = (failing){.name = name, .program = HAFT, .mode = mode, .files = none};
-    f->before = case_create(NULL);
-    f->work = case_create(NULL);
-    f->sound = case_create(NULL);
+    f->before = case_create(tiny);
+    f->work = case_create(tiny);
+    f->sound = case_create(tiny);
     f->args[0] = f->again[0] = name;
     f->args[1] = f->again[1] = "--quiet";
     f->args[2] = f->again[2] = "--threads=1";
