@@ -14,6 +14,9 @@
 /* Reads one input; @return 0, or -1 for an input that is not worth keeping. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+/* Makes what takes its time ready, where a harness has such; @return 0. */
+int LLVMFuzzerInitialize(int *count, char ***words);
+
 /* What must hold of every input; ends the program where it does not, which is a finding. */
 #define FUZZ_DEMAND(condition, ...)                                                                \
     do {                                                                                           \
