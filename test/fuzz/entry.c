@@ -31,7 +31,7 @@ void fuzz_check_status(haft_status status, const haft_error *error) {
 
 /* ---- files ---- */
 
-static char folder[100];
+static char folder[110];
 
 static void remove_folder(void) {
     static const char *const names[] = {"case.yaml",      "emitted.yaml", "psd.csv", "film.csv",
@@ -48,8 +48,9 @@ const char *fuzz_path(const char *name) {
     static char path[4][200];
     static int turn;
     if (folder[0] == '\0') {
-        snprintf(folder, sizeof folder, "%s/haft-fuzz-XXXXXX",
-                 access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
+        const char *base = getenv("TMPDIR");
+        base = base != NULL ? base : access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp";
+        snprintf(folder, sizeof folder, "%.80s/haft-fuzz-XXXXXX", base);
         if (mkdtemp(folder) == NULL) {
             perror(folder);
             exit(2);

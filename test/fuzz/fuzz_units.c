@@ -26,7 +26,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (status == HAFT_OK) { /* what was read is a number and can be written and read again */
         char again[64];
         double back = NAN;
-        snprintf(again, sizeof again, "%.17g %s", value, unit);
+        snprintf(again, sizeof again, "%.17g %s", value, strcmp(unit, "1") == 0 ? "" : unit);
         status = haft_units_parse(units, again, unit, &back, &error);
         FUZZ_DEMAND(status == HAFT_OK && back == value, "\"%s\" is %s and then %.17g: %s", text,
                     again, back, error.message);
