@@ -280,7 +280,10 @@ int main(int argc, char **argv) {
     static const struct argp program = {OPTIONS, parse, "COMMAND CASE [TABLE]", DOC, NULL,
                                         NULL,    NULL};
     arguments a = {0};
-    argp_parse(&program, argc, argv, 0, NULL, &a);
+    if (argp_parse(&program, argc, argv, 0, NULL, &a) != 0) { /* what is wrong in `argv` ends it */
+        fputs("haft-laws: out of memory\n", stderr);
+        return EXIT_INTERNAL;
+    }
     terminal t;
     terminal_open(&t, "haft-laws", a.quiet);
     command what = find_command(&a);

@@ -332,7 +332,12 @@ int main(int argc, char **argv) {
     static const struct argp program = {
         OPTIONS, parse, "COMMAND CASE\ncompare CASE CASE...", DOC, NULL, NULL, NULL};
     arguments a = {.realization = -1, .beams = BUDGET_BEAMS};
-    if (argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a) != 0) {
+    error_t fault = argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a);
+    if (fault == ENOMEM) {
+        fputs("haft: out of memory\n", stderr);
+        return EXIT_INTERNAL;
+    }
+    if (fault != 0) {
         return EXIT_OK; /* rank 0 says what is wrong */
     }
     terminal t;

@@ -330,6 +330,18 @@ static haft_status make_path(haft_path **out, const haft_part_counts *counts, ha
     return HAFT_OK;
 }
 
+/* Whether the path turns within its points, they name jumps that it has, and its summary an outcome
+ * that there is. */
+static bool is_sound(const haft_path *path, const haft_summary *summary) {
+    bool sound = (path->turn == 0 || path->turn < path->points) && summary->outcome >= 0 &&
+                 summary->outcome < HAFT_OUTCOMES;
+    for (size_t i = 0; sound && i < path->points; i++) {
+        int jump = path->point[i].jump;
+        sound = jump >= -1 && (jump < 0 || (size_t)jump < path->jumps);
+    }
+    return sound;
+}
+
 static haft_status unpack(haft_path **out, haft_summary *summary, haft_laws **laws,
                           const char *payload, size_t size, size_t dofs, haft_error *error) {
     haft_part_counts counts;
@@ -359,7 +371,14 @@ static haft_status unpack(haft_path **out, haft_summary *summary, haft_laws **la
         memcpy(path->state, at, states);
         at += states;
     }
-    status = laws == NULL ? HAFT_OK : haft_part_unpack_laws(laws, &counts, at, error);
+    if (!is_sound(path, summary)) {
+        status = haft_error_set(error, HAFT_ERROR_INPUT,
+                                "holds a path that turns beyond its end, names a jump that it does "
+                                "not have or ends at no known outcome; start anew with `haft run "
+                                "--force`");
+    } else if (laws != NULL) {
+        status = haft_part_unpack_laws(laws, &counts, at, error);
+    }
     if (status != HAFT_OK) {
         haft_path_destroy(out);
     }
