@@ -66,27 +66,20 @@ static bool is_whole_svg(const unsigned char *data, size_t size) {
 static haft_status check_figure(const char *path, haft_error *error) {
     enum { FIGURE_MOST = 1 << 28 };
     const char *dot = strrchr(path, '.');
-    struct stat facts;
-    FILE *stream = fopen(path, "rb");
-    unsigned char *data = NULL;
-    bool whole = false;
-    haft_status status = HAFT_OK;
-    if (stream != NULL && fstat(fileno(stream), &facts) == 0 && S_ISREG(facts.st_mode) &&
-        facts.st_size > 0 && facts.st_size < FIGURE_MOST) {
-        size_t size = (size_t)facts.st_size;
-        data = haft_memory_alloc(size, 1, error);
-        status = data == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-        whole = data != NULL && fread(data, 1, size, stream) == size &&
-                (strcmp(dot, ".png") == 0 ? is_whole_png(data, size) : is_whole_svg(data, size));
-    }
-    if (stream != NULL) {
-        fclose(stream);
+    char *data = NULL;
+    size_t size = 0;
+    haft_status status = haft_file_read(&data, &size, path, FIGURE_MOST, error);
+    if (status == HAFT_OK) {
+        bool png = strcmp(dot, ".png") == 0;
+        const unsigned char *bytes = (const unsigned char *)data;
+        if (!(png ? is_whole_png(bytes, size) : is_whole_svg(bytes, size))) {
+            status =
+                haft_error_set(error, HAFT_ERROR_IO,
+                               "%s: gnuplot could not write it whole; is the disk full?", path);
+        }
     }
     haft_memory_free(data);
-    return status != HAFT_OK || whole
-               ? status
-               : haft_error_set(error, HAFT_ERROR_IO,
-                                "%s: gnuplot could not write it whole; is the disk full?", path);
+    return status;
 }
 
 static int is_figure(const struct dirent *entry) {

@@ -96,7 +96,7 @@ static void only_own_leavings_are_removed(void **state) {
     static const char *const own[] = {"%s/results.h5.tmp.%ld", "%s/laws.h5.tmp.%ld.3"};
     static const char *const others[] = {"%s/results.h5.tmp.%ld.old", "%s/results.h5.tmp.%ld..1",
                                          "%s/results.h5.tmp.0%ld", "%s/laws.h5.tmp.%ld.1.2",
-                                         "%s/results.h5.tmp.%ld000000"};
+                                         "%s/results.h5.tmp.%ld0000000000"};
     for (size_t i = 0; i < 2; i++) {
         snprintf(path, sizeof path, own[i], out, (long)dead);
         write_file(path, "x", 1);
