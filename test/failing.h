@@ -66,7 +66,10 @@ static inline int note_temporary(const char *path, const struct stat *facts, int
                                  struct FTW *place) {
     (void)facts;
     (void)kind;
-    if (strstr(path + place->base, ".tmp") != NULL) {
+    const char *name = path + place->base;
+    /* parts that are no longer wanted and could not be removed: the next run does */
+    bool retired = strncmp(name, "parts.tmp.", 10) == 0;
+    if (strstr(name, ".tmp") != NULL && !retired) {
         snprintf(half_written, sizeof half_written, "%s", path);
     }
     return 0;

@@ -160,6 +160,14 @@ static haft_status understand(wishes *w, const inspect_words *words, haft_error 
     return status;
 }
 
+/* What a map does not give is told where it would be; but that there is no memory is no property of
+ * the map. */
+static haft_status pass_on_memory(haft_status status, const haft_error *why_not,
+                                  haft_error *error) {
+    return status == HAFT_ERROR_MEMORY ? haft_error_set(error, status, "%s", why_not->message)
+                                       : HAFT_OK;
+}
+
 static haft_status find_out(findings *f, const char *path, const wishes *w, haft_error *error) {
     haft_status status = haft_map_read(&f->map, path, &w->options, NULL, error);
     if (status != HAFT_OK) {
@@ -174,14 +182,17 @@ static haft_status find_out(findings *f, const char *path, const wishes *w, haft
         return status;
     }
     const haft_map *const maps[] = {f->map};
-    if (haft_psd_estimate(&f->psd, 1, maps, w->window, &f->why_not) != HAFT_OK) {
-        return HAFT_OK; /* told where the spectrum would be */
+    status = haft_psd_estimate(&f->psd, 1, maps, w->window, &f->why_not);
+    if (status != HAFT_OK) {
+        return pass_on_memory(status, &f->why_not, error);
     }
     f->limit = w->tip_radius > 0 ? haft_psd_tip_limit(f->psd, w->tip_radius) : INFINITY;
     status = haft_psd_table_cut(f->psd, f->limit, error);
     if (status == HAFT_OK) {
         f->moments = haft_psd_table_get_moments(f->psd);
-        f->fitted = haft_psd_fit_self_affine(&f->fit, f->psd, &f->why_not) == HAFT_OK;
+        status = haft_psd_fit_self_affine(&f->fit, f->psd, &f->why_not);
+        f->fitted = status == HAFT_OK;
+        status = pass_on_memory(status, &f->why_not, error);
     }
     return status;
 }

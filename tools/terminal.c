@@ -46,39 +46,31 @@ void terminal_open(terminal *t, const char *program, bool quiet) {
     sigaction(SIGPIPE, &action, NULL);
 }
 
-/* The text that printf would print, made safe to show; NULL without memory. To be freed. */
-static char *make_safe(const char *format, va_list args) HAFT_PRINTF(1, 0);
-static char *make_safe(const char *format, va_list args) {
-    char *text = NULL;
-    int length = vasprintf(&text, format, args);
-    if (length < 0) {
-        return NULL;
-    }
-    size_t capacity = HAFT_SPELLED_CAPACITY * (size_t)length + 1;
-    char *safe = malloc(capacity);
-    if (safe != NULL) {
-        (void)haft_text_quote(safe, capacity, text, (size_t)length);
-    }
-    free(text);
-    return safe;
-}
+/* Room for a line before it is made safe to show. The longest holds a few paths; without memory a
+ * line must be told all the same, so none is asked for. */
+enum { LINE_CAPACITY = 1 << 15 };
 
 void terminal_print(FILE *stream, const char *format, ...) {
+    char text[LINE_CAPACITY], safe[HAFT_SPELLED_CAPACITY];
     va_list args;
     va_start(args, format);
-    char *text = make_safe(format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    fprintf(stream, "%s\n", text != NULL ? text : "(no memory for a line)");
-    free(text);
+    for (size_t i = 0, size = strlen(text); i < size;) {
+        i += haft_text_spell(safe, text + i, size - i);
+        fputs(safe, stream);
+    }
+    fputc('\n', stream);
 }
 
 void terminal_misuse(const struct argp_state *state, const char *format, ...) {
+    char text[LINE_CAPACITY], safe[LINE_CAPACITY];
     va_list args;
     va_start(args, format);
-    char *text = make_safe(format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    argp_error(state, "%s", text != NULL ? text : "wrong usage");
-    free(text);
+    (void)haft_text_quote(safe, sizeof safe, text, strlen(text));
+    argp_error(state, "%s", safe);
 }
 
 static void format_time(char text[32], double seconds) {

@@ -71,10 +71,10 @@ static haft_status read_all(char *bytes, size_t size, int descriptor, const char
         done += (size_t)n;
     }
     bytes[size] = '\0';
-    return done == size ? HAFT_OK
-                        : haft_error_set(error, HAFT_ERROR_IO,
-                                         "%s: cannot be read: it was %s meanwhile", path,
-                                         done < size ? "cut short" : "added to");
+    return done == size
+               ? HAFT_OK
+               : haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be read: it was %s meanwhile",
+                                path, done < size ? "cut short" : "added to");
 }
 
 haft_status haft_file_read(char **out, size_t *size, const char *path, size_t most,

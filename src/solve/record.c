@@ -169,8 +169,7 @@ const char *haft_outcome_advice(haft_outcome outcome) {
         "look for a law with very many points or very noisy ones, or allow more steps",
         "look for a law or a number of the beam that is beyond all bounds",
         "use the exact mesh",
-        "look for a law that is very steep beside the beam's stiffness, and for a gap beyond 1e8 "
-        "times the range of a law",
+        "look for a very steep wall, or a gap of more than 1e8 ranges of a law",
         "look for a law with a kink that is much narrower than its range",
         "look for elements of very different lengths, and for a beam that nothing holds",
         "look for a law that is very steep beside the others, or allow the ledger more",
