@@ -74,37 +74,43 @@ haft_status page_open(page *p, const char *title, haft_error *error) {
     return HAFT_OK;
 }
 
+/* The one door into the page. A memory stream that cannot grow tells it here, and not always later:
+ * page_store() passes it on. */
+static void put(page *p, const char *text, size_t size) {
+    p->failed |= fwrite(text, 1, size, p->stream) != size;
+}
+
 void page_markup(page *p, const char *markup) {
-    fputs(markup, p->stream);
+    put(p, markup, strlen(markup));
 }
 
 /* Line breaks stay, as a resolved case has them; all else that cannot be shown is spelled out. */
-static void write_escaped(FILE *stream, const char *text) {
+static void write_escaped(page *p, const char *text) {
     size_t left = strlen(text);
     while (left > 0) {
         char spelled[HAFT_SPELLED_CAPACITY];
         size_t n = haft_text_spell(spelled, text, left);
         switch (*text) {
         case '\n':
-            fputc('\n', stream);
+            page_markup(p, "\n");
             break;
         case '&':
-            fputs("&amp;", stream);
+            page_markup(p, "&amp;");
             break;
         case '<':
-            fputs("&lt;", stream);
+            page_markup(p, "&lt;");
             break;
         case '>':
-            fputs("&gt;", stream);
+            page_markup(p, "&gt;");
             break;
         case '"':
-            fputs("&quot;", stream);
+            page_markup(p, "&quot;");
             break;
         case '\'':
-            fputs("&#39;", stream);
+            page_markup(p, "&#39;");
             break;
         default:
-            fputs(spelled, stream);
+            page_markup(p, spelled);
         }
         text += n;
         left -= n;
@@ -116,10 +122,10 @@ static void write_formatted(page *p, const char *format, va_list args) HAFT_PRIN
 static void write_formatted(page *p, const char *format, va_list args) {
     char *text = NULL;
     if (vasprintf(&text, format, args) < 0) {
-        p->failed = true; /* page_store() tells */
+        p->failed = true;
         return;
     }
-    write_escaped(p->stream, text);
+    write_escaped(p, text);
     free(text);
 }
 
@@ -131,17 +137,26 @@ void page_text(page *p, const char *format, ...) {
 }
 
 void page_element(page *p, const char *tag, const char *kind, const char *format, ...) {
-    fprintf(p->stream, kind != NULL ? "<%s class=\"%s\">" : "<%s>", tag, kind);
+    page_markup(p, "<");
+    page_markup(p, tag);
+    if (kind != NULL) {
+        page_markup(p, " class=\"");
+        page_markup(p, kind);
+        page_markup(p, "\"");
+    }
+    page_markup(p, ">");
     va_list args;
     va_start(args, format);
     write_formatted(p, format, args);
     va_end(args);
-    fprintf(p->stream, "</%s>\n", tag);
+    page_markup(p, "</");
+    page_markup(p, tag);
+    page_markup(p, ">\n");
 }
 
 /* ---- pictures ---- */
 
-static void write_base64(FILE *stream, const unsigned char *data, size_t size) {
+static void write_base64(page *p, const unsigned char *data, size_t size) {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
         size_t n = size - i;
@@ -150,7 +165,7 @@ static void write_base64(FILE *stream, const unsigned char *data, size_t size) {
         bits |= n > 2 ? data[i + 2] : 0;
         char four[4] = {digit[bits >> 18 & 63], digit[bits >> 12 & 63],
                         n > 1 ? digit[bits >> 6 & 63] : '=', n > 2 ? digit[bits & 63] : '='};
-        fwrite(four, 1, 4, stream);
+        put(p, four, 4);
     }
 }
 
@@ -164,11 +179,13 @@ static void write_svg(page *p, const char *svg) {
             length = strncmp(svg, opens[i], n) == 0 ? n : 0;
         }
         if (length > 0) {
-            fwrite(svg, 1, length, p->stream);
-            fprintf(p->stream, "f%u-", p->figures);
+            char number[24];
+            put(p, svg, length);
+            snprintf(number, sizeof number, "f%u-", p->figures);
+            page_markup(p, number);
             svg += length;
         } else {
-            fputc(*svg++, p->stream);
+            put(p, svg++, 1);
         }
     }
 }
@@ -176,7 +193,7 @@ static void write_svg(page *p, const char *svg) {
 bool page_figure(page *p, const char *path, const char *caption) {
     size_t size = 0, length = strlen(path);
     char *data = NULL;
-    (void)!haft_file_read(&data, &size, path, PICTURE_MOST, NULL);
+    p->failed |= haft_file_read(&data, &size, path, PICTURE_MOST, NULL) == HAFT_ERROR_MEMORY;
     const char *svg = NULL;
     bool vector = length > 4 && strcmp(path + length - 4, ".svg") == 0;
     if (data != NULL && vector) {
@@ -194,7 +211,7 @@ bool page_figure(page *p, const char *path, const char *caption) {
         page_markup(p, "<img alt=\"");
         page_text(p, "%s", caption);
         page_markup(p, "\" src=\"data:image/png;base64,");
-        write_base64(p->stream, (const unsigned char *)data, size);
+        write_base64(p, (const unsigned char *)data, size);
         page_markup(p, "\">");
     }
     page_markup(p, "</div>\n");

@@ -5,56 +5,19 @@
 #include "hdf.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- the bytes ---- */
 
-static void fail_to_read(haft_hdf *hdf, const char *why) {
-    hdf->status =
-        haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be read: %s", hdf->path, why);
-}
-
-static void read_bytes(haft_hdf *hdf, int descriptor) {
-    hdf->bytes = haft_memory_alloc(hdf->file_bytes, 1, hdf->error);
-    if (hdf->bytes == NULL) {
-        hdf->status = HAFT_ERROR_MEMORY;
-        haft_error_prefix(hdf->error, "%s: ", hdf->path);
-        return;
-    }
-    for (size_t done = 0; done < hdf->file_bytes;) {
-        ssize_t n = read(descriptor, (char *)hdf->bytes + done, hdf->file_bytes - done);
-        if (n < 0 && errno == EINTR) {
-            continue;
-        }
-        if (n <= 0) {
-            fail_to_read(hdf, n < 0 ? strerror(errno) : "it was cut short meanwhile");
-            return;
-        }
-        done += (size_t)n;
-    }
-}
-
 static void load(haft_hdf *hdf) {
-    struct stat facts;
-    int descriptor = open(hdf->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0 || fstat(descriptor, &facts) != 0) {
-        bool missing = errno == ENOENT;
-        hdf->status =
-            haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be opened: %s%s%s", hdf->path,
-                           strerror(errno), missing ? "; " : "", missing ? hdf->remedy : "");
-    } else if (!S_ISREG(facts.st_mode)) {
-        hdf->status = haft_error_set(hdf->error, HAFT_ERROR_IO,
-                                     "%s: is a directory or a device; give a file", hdf->path);
-    } else {
-        hdf->file_bytes = (size_t)facts.st_size;
-        read_bytes(hdf, descriptor);
-    }
-    if (descriptor >= 0) {
-        close(descriptor);
+    char *bytes = NULL;
+    hdf->status = haft_file_read(&bytes, &hdf->file_bytes, hdf->path, SIZE_MAX - 1, hdf->error);
+    hdf->bytes = bytes;
+    if (hdf->status == HAFT_ERROR_IO && access(hdf->path, F_OK) != 0 && errno == ENOENT) {
+        haft_error_set(hdf->error, HAFT_ERROR_IO, "%s: cannot be opened: %s; %s", hdf->path,
+                       strerror(ENOENT), hdf->remedy);
     }
 }
 
