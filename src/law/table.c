@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A curve as a C1 law: cubics between its points, the first tangent to the left of them, nothing to
  * the right. The potential is the exact integral of the cubics, summed from the right end once.
- * Within a piece it is integrated from the piece's right end: from the left, a small potential
- * would be the difference of two large numbers. Even grids are looked up by arithmetic, others by
- * bisection. */
+ *
+ * A cubic is evaluated in the Hermite basis, its potential from its right end: next to either end
+ * only that end's numbers count. In powers from the left end, a force or a potential that is small
+ * at the right end of a steep piece would be the difference of large numbers.
+ *
+ * Even grids are looked up by arithmetic, others by bisection. */
 #include "law/table.h"
 
 #include <math.h>

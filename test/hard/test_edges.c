@@ -165,6 +165,25 @@ static void a_beam_begins_in_the_valley_below_it(void **state) {
     haft_model_destroy(&model);
 }
 
+/* A load that does next to no work beside the energies that are there: their rounding is no open
+ * ledger. */
+static void a_load_without_work_leaves_the_ledger_closed(void **state) {
+    (void)state;
+    const double area = 1e-9, gap = 24e-9, k = 1e5;
+    haft_law law = make_law(3e-9, 5e6);
+    haft_model *model = single_spring(k, gap, area);
+    for (double share = 1e-6; share > 1e-17; share /= 10) {
+        haft_programme programme = {-1, 0.01, share * k * gap};
+        haft_path *path = NULL;
+        haft_error error = {0};
+        check_ok(haft_solve_path(&path, model, &law, &programme, NULL, &error), error);
+        assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
+        check_less(path->ledger_error, 1e-9);
+        haft_path_destroy(&path);
+    }
+    haft_model_destroy(&model);
+}
+
 /* However near to a site the load is, the answer is the same but for the distance. */
 static void a_load_may_be_almost_on_a_site(void **state) {
     (void)state;
@@ -336,6 +355,7 @@ int main(void) {
         cmocka_unit_test(a_law_may_push_beyond_its_well),
         cmocka_unit_test(a_path_begins_where_the_flow_from_rest_leads),
         cmocka_unit_test(a_beam_begins_in_the_valley_below_it),
+        cmocka_unit_test(a_load_without_work_leaves_the_ledger_closed),
         cmocka_unit_test(a_load_may_be_almost_on_a_site),
         cmocka_unit_test(a_thin_wall_costs_no_steps),
         cmocka_unit_test(deep_pressing_costs_no_steps),
