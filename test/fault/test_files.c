@@ -61,7 +61,7 @@ static void missing_and_foreign_files_are_refused(void **state) {
     check_laws_refused(path, HAFT_ERROR_IO, "No such file");
     check_laws_refused(s.folder, HAFT_ERROR_IO, "is a directory");
     assert_int_equal(mkfifo(path, 0600), 0);
-    check_laws_refused(path, HAFT_ERROR_IO, "give a file");
+    check_laws_refused(path, HAFT_ERROR_IO, "give a regular file");
     assert_int_equal(unlink(path), 0);
     write_file(path, "", 0);
     check_laws_refused(path, HAFT_ERROR_INPUT, "is empty; build it anew with haft-laws");
