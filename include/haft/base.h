@@ -8,7 +8,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -142,9 +141,6 @@ bool haft_text_quote(char *out, size_t capacity, const char *text, size_t size);
  *  @return HAFT_ERROR_IO, with the file and the reason. Thread-safe. */
 haft_status haft_file_open(int *descriptor, size_t *size, const char *path,
                            haft_error *error) HAFT_MUST_CHECK;
-
-/** The same as a stream, to be closed with fclose(). */
-haft_status haft_file_stream(FILE **stream, const char *path, haft_error *error) HAFT_MUST_CHECK;
 
 /** Reads a regular file whole.
  *  @param[out] bytes its bytes and a 0, to be freed with haft_memory_free(); NULL where it fails

@@ -5,7 +5,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -34,22 +33,6 @@ haft_status haft_file_open(int *out, size_t *size, const char *path, haft_error 
         *size = (size_t)facts.st_size;
     }
     return HAFT_OK;
-}
-
-haft_status haft_file_stream(FILE **out, const char *path, haft_error *error) {
-    int descriptor = -1;
-    *out = NULL;
-    haft_status status = haft_file_open(&descriptor, NULL, path, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    *out = fdopen(descriptor, "r");
-    if (*out == NULL) {
-        status =
-            haft_error_set(error, HAFT_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-        close(descriptor);
-    }
-    return status;
 }
 
 /* Reads `size` bytes, in spite of interruptions, and sees that there are no more. */

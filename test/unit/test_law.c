@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Morse and table laws: closed forms against independent expressions, ends, kinks and refusals. */
-#include "check.h"
+#include "law_kinks.h"
 
 #include <complex.h>
 #include <float.h>
@@ -26,13 +26,6 @@ static haft_law_vector draw(uint64_t k, double *f_limit) {
     double left = log(1 + sqrt(1 + *f_limit / v.f_max)) / width;
     v.e = v.f_max / (2 * left) * (1 + pow(10, uniform(k, 4, -3, 3)));
     return v;
-}
-
-static haft_law typical(void) {
-    haft_law law;
-    haft_law_vector v = {.e = 2.1e-3, .f_max = 4e5, .d_max = 1.1e-8, .d_limit = 7.5e-9};
-    assert_int_equal(haft_law_morse(&law, &v, 5e6), HAFT_LAW_SOUND);
-    return law;
 }
 
 static void morse_gives_its_vector_back(void **state) {
@@ -161,16 +154,6 @@ static void morse_derivatives_agree_with_a_complex_step(void **state) {
         check_wing(&law, false, nextafter(v.d_max, 0));
         check_wing(&law, false, 0);
     }
-}
-
-static void check_continuous(const haft_law *law, double d, double length, double tolerance) {
-    double step = 4 * DBL_EPSILON * fabs(d);
-    haft_law_value a = haft_law_evaluate(law, d - step), b = haft_law_evaluate(law, d + step);
-    double size = law->f_max + fabs(a.force);
-    double slopes = size / length;
-    check_near(a.force, b.force, tolerance * size + 2 * step * fabs(a.slope));
-    check_near(a.slope, b.slope, tolerance * slopes + 2 * step * slopes / length);
-    check_near(a.potential, b.potential, tolerance * size * length + 2 * step * size);
 }
 
 static void morse_is_smooth_at_its_kinks(void **state) {
