@@ -221,8 +221,24 @@ static double raw_value(const unsigned char *at, size_t bytes) {
     return (int32_t)word;
 }
 
-static void add_remarks(haft_map *map, const haft_nanoscope_channel *c, const place *p,
-                        const char *sides) {
+/* Lines and points that the header does not count as valid, as of a scan that was stopped. */
+static void remark_invalid(haft_map *map, const haft_nanoscope *h, const haft_nanoscope_list *l) {
+    char text[HAFT_NANOSCOPE_VALUE];
+    size_t columns = count_or_none(h, l, "Valid data len X");
+    size_t rows = count_or_none(h, l, "Valid data len Y");
+    if ((columns > 0 && columns < map->columns) || (rows > 0 && rows < map->rows)) {
+        haft_map_remark(map,
+                        "its header counts %zu x %zu pixels as valid, and all are read as heights",
+                        columns, rows);
+    }
+    if (haft_nanoscope_find(l, "Invalid Data Flag", text) > 0 && strcasecmp(text, "None") != 0) {
+        haft_map_remark(map, "its header marks invalid data (\"%.30s\"), which are read as heights",
+                        text);
+    }
+}
+
+static void add_remarks(haft_map *map, const haft_nanoscope *h, const haft_nanoscope_channel *c,
+                        const place *p, const char *sides) {
     if (sides[0] != '\0') {
         haft_map_remark(map, "%s", sides);
     }
@@ -232,12 +248,7 @@ static void add_remarks(haft_map *map, const haft_nanoscope_channel *c, const pl
                         "its data",
                         p->columns, p->rows, p->source);
     }
-    char text[HAFT_NANOSCOPE_VALUE];
-    if (haft_nanoscope_find(c->list, "Invalid Data Flag", text) > 0 &&
-        strcasecmp(text, "None") != 0) {
-        haft_map_remark(map, "its header marks invalid data (\"%.30s\"), which are read as heights",
-                        text);
-    }
+    remark_invalid(map, h, c->list);
     if (c->remark[0] != '\0') {
         haft_map_remark(map, "%s", c->remark);
     }
@@ -271,7 +282,7 @@ static haft_status read_channel(haft_map **out, const haft_nanoscope *h,
     if (status == HAFT_OK) {
         memcpy((*out)->channel, c->label, sizeof c->label);
         snprintf((*out)->format, sizeof(*out)->format, "Nanoscope");
-        add_remarks(*out, c, &p, sides);
+        add_remarks(*out, h, c, &p, sides);
     }
     return status;
 }

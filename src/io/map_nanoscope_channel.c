@@ -88,9 +88,9 @@ static void label(const table *t, const entry *e, char text[HAFT_CHANNEL_CAPACIT
     haft_map_name(clean, name_of(e), strlen(name_of(e)));
     bool direction = (e->same > 1 && e->trace) || e->retrace;
     if (like > 1) {
-        snprintf(text, HAFT_CHANNEL_CAPACITY, "%.32s %zu", clean, e->number);
+        snprintf(text, HAFT_CHANNEL_CAPACITY, "%.40s %zu", clean, e->number);
     } else if (direction || e->interleave) {
-        snprintf(text, HAFT_CHANNEL_CAPACITY, "%.32s (%s%s%s)", clean,
+        snprintf(text, HAFT_CHANNEL_CAPACITY, "%.40s (%s%s%s)", clean,
                  !direction   ? ""
                  : e->retrace ? "retrace"
                               : "trace",

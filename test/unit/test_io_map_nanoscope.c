@@ -328,6 +328,10 @@ static void frames_with_fewer_lines(void **state) {
          "by \"Lines of the scan list\""},
         {"", "\\Number of lines: 16\n\\Scan size: 10 10 ~m\n", 16, 10e-6, 5e-6,
          "square pixels are assumed"},
+        {"\\Lines: 16\n",
+         "\\Number of lines: 16\n\\Scan size: 10 5 ~m\n\\Valid data len X: 32\n\\Valid data len Y: "
+         "9\n",
+         16, 10e-6, 5e-6, "counts 32 x 9 pixels as valid"},
     };
     for (size_t k = 0; k < sizeof frames / sizeof *frames; k++) {
         char lines[500];
