@@ -89,9 +89,16 @@ void haft_map_remark(haft_map *map, const char *format, ...) {
     va_end(arguments);
 }
 
+/* Whether the file and the options both give a length, and not the same. */
+static bool contradicts(double own, double given) {
+    return own > 0 && given > 0 && fabs(given / own - 1) > 1e-6;
+}
+
 haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t rows, size_t columns,
                            double width, double height, double *unit, haft_error *error) {
     const haft_map_options *o = &file->options;
+    bool size = contradicts(width, o->width) || contradicts(height, o->height);
+    bool scale = contradicts(*unit, o->unit);
     width = width > 0 ? width : o->width;
     height = height > 0 ? height : o->height;
     *unit = *unit > 0 ? *unit : o->unit;
@@ -110,6 +117,11 @@ haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t row
         haft_map_create(out, rows, columns, height / (double)rows, width / (double)columns, error);
     if (status != HAFT_OK) {
         haft_error_prefix(error, "%s: ", file->path);
+    } else if (size || scale) {
+        haft_map_remark(*out, "not used, since the file says its own: the %s given",
+                        !scale ? "size"
+                        : size ? "size and unit"
+                               : "unit");
     }
     return status;
 }

@@ -147,11 +147,14 @@ static void simple_fields_are_strict(void **state) {
     check_relative(map->step_column, 0.25e-6, 1e-14);
     check_relative(map->step_row, 0.5e-6, 1e-14);
     check_relative(map->z[1], 1e-12 * height(1), 1e-14);
+    assert_string_equal(map->note,
+                        "not used, since the file says its own: the size and unit given");
     haft_map_destroy(&map);
     /* plain numbers are no lengths: the options give them */
     check_ok(read_gsf(&map, PIXELS "XReal = 3\nYReal = 6\n", 0, z, &error), error);
     check_relative(map->step_row * SIDE, 1e-6, 1e-14);
     check_relative(map->z[1], 1e-9 * height(1), 1e-14);
+    assert_string_equal(map->note, "");
     haft_map_destroy(&map);
 }
 
