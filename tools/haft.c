@@ -158,10 +158,21 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 
 /* ---- check ---- */
 
+/* What the readers of the maps had to assume. */
+static void print_notes(const haft_case_files *files, const haft_map_set *maps) {
+    for (size_t k = 0; k < maps->count; k++) {
+        if (maps->map[k]->note[0] != '\0') {
+            terminal_print(stdout, "  %s: %s", files->path[k], maps->map[k]->note);
+        }
+    }
+}
+
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
     terminal_print(stdout, "%s: %s", c->name, c->title);
+    print_notes(&c->surface.maps, &c->surface.map);
+    print_notes(&c->surface.opposite_maps, &c->surface.opposite);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
            sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
     printf("  asperities           %.3g a um2, radius %.3g nm, heights %.3g nm (rms)\n",

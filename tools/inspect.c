@@ -228,6 +228,9 @@ static void print_findings(const char *path, const findings *f, const wishes *w)
     bool named = map->channel[0] != '\0';
     terminal_print(stdout, "%s: %s%s%s%s", path, map->format, named ? ", channel \"" : "",
                    map->channel, named ? "\"" : "");
+    if (map->note[0] != '\0') {
+        terminal_print(stdout, "  note: %s", map->note);
+    }
     printf("  %zu x %zu pixels of %.6g x %.6g nm, %.6g x %.6g um; %zu missing, %zu masked\n",
            map->columns, map->rows, map->step_column * 1e9, map->step_row * 1e9,
            map->step_column * 1e6 * (double)map->columns, map->step_row * 1e6 * (double)map->rows,

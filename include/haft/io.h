@@ -132,7 +132,8 @@ haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *p
 
 /** What a height map's file may leave unsaid. */
 typedef struct haft_map_options {
-    const char *channel; /**< by its name in the file, NULL or "": the first with heights */
+    const char *channel; /**< by its name in the file, NULL or "": the first with heights; of
+                              Nanoscope files "Height (retrace)" or "Height 2" too */
     double width;        /**< of the whole map along x [m], where its file gives none; else 0 */
     double height;       /**< the same along y */
     double unit;         /**< of heights, where the file gives none [m]; else 0 */
@@ -144,15 +145,20 @@ typedef struct haft_map_options {
  *  - Bruker (Veeco, Digital Instruments) Nanoscope, binary, 16 and 32 bit: heights are
  *    raw / 2^bits * hard scale * sensitivity (new headers, `@2:Z scale: V [Sens. Zsens] (...) 24.6
  * V`) or raw / 2^16 * `Z scale` (old ones), or raw * `Z magnify image` / 655.36 nm (no version);
+ * two equal sides of `Scan size` are those of the frame, whose ratio and lines tell the map's
+ * height;
  *  - Gwyddion Simple Field (.gsf);
  *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or German);
  * a bare matrix, with size and unit from `options`; three columns x, y, z of points on a grid (in
  * any order), taken for such where `options` gives no size;
  *  - HDF5: a two-dimensional dataset named by options->channel, or the only one there is; the unit
  * of heights from its text attribute `unit`, the size from its attribute `size` (width, height in
- * m), either from `options` if it has none.
+ * m), either from `options` if it has none; NetCDF's `units`, `scale_factor`, `add_offset`,
+ * `_FillValue`, `missing_value` and valid range hold, and dimensions of length 1 count for nothing.
  *
- *  Not-a-number is a missing pixel. Row 0 is the top of the image.
+ *  Not-a-number is a missing pixel. Row 0 is the top of the image. What had to be assumed is told
+ * in the map's note. Marks of missing pixels that the file does not declare (-9999, 1e38, a value
+ *  further from the others than a thousand times their range) are refused.
  *  @param[out] out the map; NULL after a failure
  *  @param[in] path of the file
  *  @param[in] options may be NULL

@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-enum { HAFT_CHANNEL_CAPACITY = 64 };
+enum { HAFT_CHANNEL_CAPACITY = 64, HAFT_NOTE_CAPACITY = 512 };
 
 /** Heights on a rectangular grid. Owned by whoever made it. */
 typedef struct haft_map {
@@ -24,6 +24,7 @@ typedef struct haft_map {
     double *z;                           /**< rows x columns [m], NAN where missing */
     char channel[HAFT_CHANNEL_CAPACITY]; /**< what the file calls it */
     char format[HAFT_CHANNEL_CAPACITY];  /**< what kind of file it came from */
+    char note[HAFT_NOTE_CAPACITY];       /**< what its reader had to assume; may be empty */
 } haft_map;
 
 /** Most pixels of a map along one side. */

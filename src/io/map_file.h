@@ -33,6 +33,14 @@ haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t row
                            double width, double height, double *unit, haft_error *error);
 haft_status haft_map_end(haft_map **out, const haft_map_file *file, double unit, haft_error *error);
 
+/* Refuses heights in `unit`s [m] of which the least or the greatest is a mark for missing pixels,
+ * by all appearance: haft_map_end() calls it. With unit 0 they are numbers still to be scaled. */
+haft_status haft_map_check_marks(const haft_map *map, const haft_map_file *file, double unit,
+                                 haft_error *error);
+
+/* Adds to map->note what the reader had to assume. */
+void haft_map_remark(haft_map *map, const char *format, ...) HAFT_PRINTF(2, 3);
+
 /* Both, of heights that are there. */
 haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
                                  size_t columns, double width, double height, double unit,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gwyddion Simple Field: a magic line, lines "name = value", one to four NUL so that the data begin
- * at a multiple of four, then little-endian 32-bit numbers row by row. */
+ * at a multiple of four, then little-endian 32-bit numbers row by row. Without a unit the sides and
+ * the heights are plain numbers, and no lengths: then the options must give them. */
 #include "map_file.h"
 #include "store.h"
 
@@ -9,9 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { NAMES = 7 };
+
 typedef struct gsf_header {
     double columns, rows, width, height; /* 0: not there */
     char lateral[24], unit[24], title[HAFT_CHANNEL_CAPACITY];
+    bool seen[NAMES];
 } gsf_header;
 
 /* "name = value" without the blanks around either; false for a line that is none. */
@@ -35,39 +39,92 @@ static bool split(const char *line, size_t n, char name[32], char value[128]) {
     return true;
 }
 
+/* The place of a line's value; complains of a name that was there before. */
+static haft_status take(gsf_header *h, const haft_map_file *file, size_t line, const char *name,
+                        const char *value, haft_error *error) {
+    static const char *const names[NAMES] = {"XRes",    "YRes",   "XReal", "YReal",
+                                             "XYUnits", "ZUnits", "Title"};
+    double *const numbers[] = {&h->columns, &h->rows, &h->width, &h->height};
+    char quoted[48];
+    int k = 0;
+    while (k < NAMES && strcmp(name, names[k]) != 0) {
+        k++;
+    }
+    if (k == NAMES) {
+        return HAFT_OK; /* what else a program tells of the map */
+    }
+    if (h->seen[k]) {
+        return haft_error_set(error, HAFT_ERROR_INPUT, "%s:%zu: %s stands there twice", file->path,
+                              line, name);
+    }
+    h->seen[k] = true;
+    if (k < 4 && (!haft_number_read(value, numbers[k]) || !(*numbers[k] > 0))) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:%zu: %s is \"%s\"; it must be a positive number", file->path,
+                              line, name, haft_map_quote(quoted, value, 40));
+    }
+    if (k == 4) {
+        snprintf(h->lateral, sizeof h->lateral, "%.23s", value);
+    } else if (k == 5) {
+        snprintf(h->unit, sizeof h->unit, "%.23s", value);
+    } else if (k == 6) {
+        haft_map_name(h->title, value, strlen(value));
+    }
+    return HAFT_OK;
+}
+
 static haft_status read_header(gsf_header *h, const haft_map_file *file, const char *end,
                                haft_error *error) {
-    static const char *const names[] = {"XRes", "YRes", "XReal", "YReal"};
-    double *const values[] = {&h->columns, &h->rows, &h->width, &h->height};
     const char *line = (const char *)memchr(file->bytes, '\n', file->size) + 1;
-    while (line < end) {
+    for (size_t number = 2; line < end; number++) {
         const char *stop = memchr(line, '\n', (size_t)(end - line));
         size_t n = (size_t)((stop != NULL ? stop : end) - line);
         char name[32], value[128], quoted[48];
         if (!split(line, n, name, value)) {
             return haft_error_set(error, HAFT_ERROR_INPUT,
-                                  "%s: the header line \"%s\" is no \"name = value\"", file->path,
-                                  haft_map_quote(quoted, line, n));
+                                  "%s:%zu: the header line \"%s\" is no \"name = value\"",
+                                  file->path, number, haft_map_quote(quoted, line, n));
         }
-        for (int k = 0; k < 4; k++) {
-            if (strcmp(name, names[k]) == 0) {
-                if (!haft_number_read(value, values[k]) || !(*values[k] > 0)) {
-                    return haft_error_set(error, HAFT_ERROR_INPUT,
-                                          "%s: %s is \"%s\"; it must be a positive number",
-                                          file->path, name, haft_map_quote(quoted, value, 40));
-                }
-            }
-        }
-        if (strcmp(name, "XYUnits") == 0) {
-            snprintf(h->lateral, sizeof h->lateral, "%.23s", value);
-        } else if (strcmp(name, "ZUnits") == 0) {
-            snprintf(h->unit, sizeof h->unit, "%.23s", value);
-        } else if (strcmp(name, "Title") == 0) {
-            haft_map_name(h->title, value, strlen(value));
+        haft_status status = take(h, file, number, name, value, error);
+        if (status != HAFT_OK) {
+            return status;
         }
         line += n + 1;
     }
     return HAFT_OK;
+}
+
+/* The magic line, and where the header ends. */
+static haft_status find_end(const char **end, const haft_map_file *file, haft_error *error) {
+    static const char magic[] = "Gwyddion Simple Field 1.0\n";
+    size_t n = sizeof magic - 1;
+    if (file->size > n && memcmp(file->bytes, magic, n - 1) == 0 && file->bytes[n - 1] == '\r') {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "%s: was changed by a transfer as text: its header's lines end in CR, "
+            "so its data have gained bytes; copy it anew in binary mode",
+            file->path);
+    }
+    if (file->size < n || memcmp(file->bytes, magic, n) != 0) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s: is no Gwyddion Simple Field 1.0, the one version that is known",
+                              file->path);
+    }
+    *end = memchr(file->bytes, '\0', file->size);
+    return *end != NULL ? HAFT_OK
+                        : haft_error_set(error, HAFT_ERROR_INPUT,
+                                         "%s: is cut short: no NUL ends the header", file->path);
+}
+
+/* Bytes up to the data; 0 if those behind the header's end are not all NUL. */
+static size_t find_data(const haft_map_file *file, const char *end) {
+    size_t at = (size_t)(end - file->bytes), start = (at / 4 + 1) * 4;
+    for (; at < start && at < file->size; at++) {
+        if (file->bytes[at] != '\0') {
+            return 0;
+        }
+    }
+    return start;
 }
 
 /* The header's units in metres, 0 where it gives none. */
@@ -100,14 +157,13 @@ static double read_single(const unsigned char *bytes) {
 }
 
 haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_error *error) {
-    const char *end = memchr(file->bytes, '\0', file->size);
+    const char *end = NULL;
     gsf_header h = {.columns = 0};
     double unit = 0;
-    if (end == NULL) {
-        return haft_error_set(error, HAFT_ERROR_INPUT, "%s: is cut short: no NUL ends the header",
-                              file->path);
+    haft_status status = find_end(&end, file, error);
+    if (status == HAFT_OK) {
+        status = read_header(&h, file, end, error);
     }
-    haft_status status = read_header(&h, file, end, error);
     if (status == HAFT_OK && !(h.columns >= 1 && h.rows >= 1 && h.columns == floor(h.columns) &&
                                h.rows == floor(h.rows) && h.columns * h.rows < 1e9)) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
@@ -121,11 +177,15 @@ haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_er
         return status;
     }
     size_t rows = (size_t)h.rows, columns = (size_t)h.columns;
-    size_t start = ((size_t)(end - file->bytes) / 4 + 1) * 4, needed = start + 4 * rows * columns;
+    size_t start = find_data(file, end), needed = start + 4 * rows * columns;
+    if (start == 0) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s: is damaged: one to four NUL must end the header", file->path);
+    }
     if (file->size != needed) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "%s: has %zu bytes where %zu x %zu pixels need %zu; it is %s",
-                              file->path, file->size, rows, columns, needed,
+                              file->path, file->size, columns, rows, needed,
                               file->size < needed ? "cut short" : "damaged");
     }
     status = haft_map_begin(out, file, rows, columns, h.width, h.height, &unit, error);

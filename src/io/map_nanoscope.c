@@ -1,255 +1,216 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Nanoscope files: a text header of lists ("\*Ciao image list", each followed by lines "\Key:
- * value" until the next), ended by "\*File list end", and the channels' raw integers at offsets it
- * gives.
+/* Nanoscope files: a text header, and the channels' raw integers at offsets that it gives. Lines
+ * are stored from the bottom of the image whichever way the frame was scanned ("Frame direction"),
+ * and points from its left in retraces too.
  *
- * A channel's height is raw / 2^bits times the hard value at the end of its "@2:Z scale" times the
- * sensitivity that the brackets name; the "(V/LSB)" before is the instrument's, and differs from
- * hard / 2^bits where an image was stored with a range of its own. From version 9.2 on some files
- * keep 32-bit integers and still say "Bytes/pixel: 2": there (V/LSB) decides between the two
- * powers. Old headers give "Z scale: 200 nm" for the whole 16-bit range, and the oldest, without a
- * version, "Z magnify image" in nanometres for 655.36 steps.
+ * How many pixels: "Samps/line" times "Number of lines" of the channel's list; where the data are
+ * not as many, "Valid data len X" and "Y", or "Samps/line" and "Lines" of the scan list. Some files
+ * have the truth only there: one of pySPM's tests says 512 lines and holds the 32 that "Valid data
+ * len Y" says, and Gwyddion's reader tells of lists whose own sizes are bogus.
  *
- * A scan size of one number, or of two equal ones, is the square frame's: then the pixels are
- * square unless the aspect ratio says otherwise. Lines are stored from the bottom. */
-#include "map_file.h"
+ * How large: "Scan size" of two different numbers is the map's. Two equal numbers, or one, are the
+ * side of the scan's frame, and its other side follows from the "Aspect ratio", width to height:
+ *  - the channel's own, if it is a ratio such as 2:1. Users of such scans of 10 um report 10 x 5 um
+ *    (pySPM's issue 22); Gwyddion multiplies by the lines, which comes to the same for square
+ *    pixels;
+ *  - else the scan list's, and of that frame the share that its "Lines" have in the channel. A cut
+ *    image of 358 of 512 lines of 300 nm is 210 nm high by the instrument's own program (pySPM's
+ *    issue 38), whose list has an "Aspect Ratio: 0.516184" that nobody can explain.
+ * So a whole frame with 1:1 is square however many lines it has, and its pixels are oblong: so read
+ * it Gwyddion (nanoscope.c of 2022) and SurfaceTopography 1.19 (DI.py), while pySPM (Bruker.py)
+ * takes pixels to be square. Bruker's public texts on the format (User Guide of NanoScope 8.10)
+ * explain scales and not this. Where no list gives "Lines", the pixels are taken to be square here
+ * too. Since readers differ, a map where these two disagree has a remark, and the options' size
+ * goes before. */
+#include "map_nanoscope.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { CHANNELS_MOST = 64, LISTS_MOST = 128 };
+enum { MOST = HAFT_MAP_SIDE_MOST };
 
-/* Lines of one list, from behind its title to the next title. */
-typedef struct list {
-    const char *start, *end;
-    bool image;
-} list;
+/* Where a channel's integers are. */
+typedef struct place {
+    size_t rows, columns, offset;
+    size_t stored, said; /* bytes a pixel, in the file and by its header */
+    const char *source;  /* of rows and columns, if not the usual one */
+} place;
 
-typedef struct header {
-    const haft_map_file *file;
-    list list[LISTS_MOST];
-    size_t lists;
-} header;
+/* ---- pixels ---- */
 
-static const char *line_end(const char *at, const char *end) {
-    while (at < end && *at != '\n' && *at != '\r') {
-        at++;
-    }
-    return at;
+/* A count that the header need not have: 0 if it does not. */
+static size_t count_or_none(const haft_nanoscope *h, const haft_nanoscope_list *l,
+                            const char *key) {
+    size_t value = 0;
+    return haft_nanoscope_get_count(&value, h, l, key, NULL) == HAFT_OK ? value : 0;
 }
 
-/* Splits the header into lists; false if its end is missing. */
-static bool find_lists(header *h) {
-    const char *at = h->file->bytes, *end = at + h->file->size;
-    while (at < end) {
-        const char *stop = line_end(at, end);
-        size_t n = (size_t)(stop - at);
-        if (n >= 2 && at[0] == '\\' && at[1] == '*') {
-            if (h->lists > 0) {
-                h->list[h->lists - 1].end = at;
-            }
-            if (n >= 15 && strncasecmp(at, "\\*File list end", 15) == 0) {
-                return h->lists > 0;
-            }
-            if (h->lists == LISTS_MOST) {
-                return false;
-            }
-            bool image = n >= 12 && strncasecmp(stop - 10, "image list", 10) == 0;
-            h->list[h->lists++] = (list){.start = stop, .end = stop, .image = image};
-        } else if (n > 0 && (*at != '\\' && (unsigned char)*at < 32)) {
-            return false; /* binary data: the header has no end */
-        }
-        at = stop;
-        while (at < end && (*at == '\n' || *at == '\r')) {
-            at++;
-        }
-    }
-    return false;
-}
-
-/* The value of a key in a list, as text; false if it has none. Case does not matter. */
-static bool find(const list *l, const char *key, char value[128]) {
-    size_t length = strlen(key);
-    for (const char *at = l->start; at < l->end;) {
-        const char *stop = line_end(at, l->end);
-        size_t n = (size_t)(stop - at);
-        if (n > length + 1 && at[0] == '\\' && strncasecmp(at + 1, key, length) == 0 &&
-            at[length + 1] == ':') {
-            const char *from = at + length + 2;
-            while (from < stop && *from == ' ') {
-                from++;
-            }
-            snprintf(value, 128, "%.*s", (int)(stop - from), from);
-            return true;
-        }
-        at = stop < l->end ? stop + 1 : stop;
-    }
-    return false;
-}
-
-/* In any list that is no image: sensitivities are where the instrument keeps them. */
-static bool find_anywhere(const header *h, const char *key, char value[128]) {
+static size_t scan_count(const haft_nanoscope *h, const char *key) {
+    char text[HAFT_NANOSCOPE_VALUE];
     for (size_t k = 0; k < h->lists; k++) {
-        if (!h->list[k].image && find(&h->list[k], key, value)) {
-            return true;
+        if (!h->list[k].image && haft_nanoscope_find(&h->list[k], key, text) > 0) {
+            return count_or_none(h, &h->list[k], key);
         }
-    }
-    return false;
-}
-
-static bool find_number(const list *l, const char *key, double *value) {
-    char text[128], *rest = NULL;
-    if (!find(l, key, text)) {
-        return false;
-    }
-    *value = strtod(text, &rest);
-    return rest != text && isfinite(*value);
-}
-
-/* What a channel is called: the bracket's and the quotes' name of "S [ZSensor] "Height Sensor"", or
- * the old "Image data: Height". */
-static void channel_names(const list *l, char inner[64], char outer[64]) {
-    char text[128];
-    inner[0] = outer[0] = '\0';
-    if (find(l, "@2:Image Data", text) || find(l, "@3:Image Data", text)) {
-        const char *bracket = strchr(text, '['), *quote = strchr(text, '"');
-        if (bracket != NULL) {
-            snprintf(inner, 64, "%.*s", (int)strcspn(bracket + 1, "]"), bracket + 1);
-        }
-        if (quote != NULL) {
-            snprintf(outer, 64, "%.*s", (int)strcspn(quote + 1, "\""), quote + 1);
-        }
-    } else if (find(l, "Image data", text)) {
-        snprintf(inner, 64, "%.63s", text);
-        snprintf(outer, 64, "%.63s", text);
-    }
-}
-
-/* ---- scales ---- */
-
-/* The number and the unit at the end of "V [Sens. Zsens] (0.0050 V/LSB) 329.9 V". */
-static bool hard_value(const char *text, double *value, char unit[24]) {
-    const char *from = strrchr(text, ')');
-    from = from != NULL ? from + 1 : strchr(text, ']') != NULL ? strchr(text, ']') + 1 : text;
-    while (*from != '\0' && !isdigit((unsigned char)*from) && strchr("+-.", *from) == NULL) {
-        from++; /* "V " where neither bracket is there */
-    }
-    char *rest = NULL;
-    *value = strtod(from, &rest);
-    unit[0] = '\0';
-    sscanf(rest, "%23s", unit);
-    return rest != from && isfinite(*value) && *value != 0;
-}
-
-/* Metres a unit of hard value, from "V 33.15 nm/V"; false if it is no length over that. */
-static bool sensitivity(const header *h, const char *name, double *factor) {
-    char key[96], text[128], unit[24] = "";
-    snprintf(key, sizeof key, "@%.80s", name);
-    double value = 0;
-    if (!find_anywhere(h, key, text) || !hard_value(text, &value, unit)) {
-        return false;
-    }
-    char *slash = strchr(unit, '/');
-    if (slash == NULL) {
-        return false;
-    }
-    bool milli = strcmp(slash + 1, "mV") == 0;
-    if (!milli && strcmp(slash + 1, "V") != 0) {
-        return false;
-    }
-    *slash = '\0';
-    *factor = 0;
-    bool known = haft_map_length(value, unit, factor);
-    *factor *= milli ? 1e3 : 1;
-    return known;
-}
-
-/* How much a step of the integer is of the hard scale, given bytes stored and said. */
-static double step_share(const char *scale_text, double hard, size_t stored, double said) {
-    double by_said = said == 4 ? 0x1p-32 : said == 1 ? 0x1p-8 : 0x1p-16;
-    double by_stored = stored == 4 ? 0x1p-32 : stored == 1 ? 0x1p-8 : 0x1p-16;
-    const char *bracket = strchr(scale_text, '(');
-    if (by_said == by_stored || bracket == NULL) {
-        return by_said;
-    }
-    double step = fabs(strtod(bracket + 1, NULL));
-    double off_said = fabs(log(step / fabs(hard * by_said)));
-    double off_stored = fabs(log(step / fabs(hard * by_stored)));
-    return off_stored < off_said ? by_stored : by_said;
-}
-
-/* Metres a step of a channel's integers; 0 if it holds no heights. */
-static double channel_scale(const header *h, const list *l, size_t stored, double said) {
-    char text[128], unit[24], version[128];
-    double hard = 0, factor = 0;
-    if (find(l, "@2:Z scale", text) || find(l, "@3:Z scale", text)) {
-        if (!hard_value(text, &hard, unit)) {
-            return 0;
-        }
-        double share = step_share(text, hard, stored, said);
-        const char *bracket = strchr(text, '[');
-        if (bracket == NULL) {
-            return haft_map_length(hard, unit, &factor) ? share * factor : 0;
-        }
-        char name[96];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(bracket + 1, "]"), bracket + 1);
-        hard *= strcmp(unit, "mV") == 0 ? 1e-3 : 1;
-        return sensitivity(h, name, &factor) ? share * hard * factor : 0;
-    }
-    if (find_anywhere(h, "Version", version) && find(l, "Z scale", text)) {
-        char *rest = NULL;
-        hard = strtod(text, &rest);
-        unit[0] = '\0';
-        sscanf(rest, "%23s", unit);
-        return rest != text && haft_map_length(hard, unit, &factor) ? 0x1p-16 * factor : 0;
-    }
-    if (find(l, "Z magnify image", text)) {
-        return strtod(text, NULL) * 1e-9 / 655.36;
     }
     return 0;
 }
 
-/* ---- the chosen channel ---- */
-
-static haft_status refuse(const header *h, const char *what, haft_error *error) {
-    return haft_error_set(error, HAFT_ERROR_INPUT, "%s: %s", h->file->path, what);
+/* Whether so many pixels fill the data; then the bytes of one. */
+static bool fills(place *p, size_t columns, size_t rows, size_t bytes, const char *source) {
+    if (rows < 2 || columns < 2 || rows > MOST || columns > MOST) {
+        return false;
+    }
+    for (size_t stored = 2; stored <= 4; stored += 2) {
+        if (bytes == stored * rows * columns) {
+            p->rows = rows;
+            p->columns = columns;
+            p->stored = stored;
+            p->source = source;
+            return true;
+        }
+    }
+    return false;
 }
 
-/* The sides of the frame [m]. */
-static haft_status read_sides(const header *h, const list *l, size_t rows, size_t columns,
-                              double *width, double *height, haft_error *error) {
-    char text[128], unit[24] = "";
-    if (!find(l, "Scan size", text) && !find_anywhere(h, "Scan size", text)) {
-        return refuse(h, "the channel has no scan size; the header is damaged", error);
-    }
-    double first = 0, second = 0;
-    int read = sscanf(text, "%lf %lf %23s", &first, &second, unit);
-    if (read < 3) {
-        read = sscanf(text, "%lf %23s", &first, unit);
-        second = first;
-    }
-    if (read < 2 || !haft_map_length(first, unit, width) ||
-        !haft_map_length(second, unit, height) || !(*width > 0 && *height > 0)) {
-        char quoted[48];
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "%s: the scan size \"%s\" is no length; the header is damaged",
-                              h->file->path, haft_map_quote(quoted, text, 40));
-    }
-    double across = 1, along = 1;
-    if (*width == *height) {
-        bool given = find(l, "Aspect ratio", text) || find_anywhere(h, "Aspect ratio", text);
-        if (given && sscanf(text, "%lf:%lf", &along, &across) == 2 && along > 0 && across > 0 &&
-            along != across) {
-            *height = *width * across / along;
-        } else {
-            *height = *width * (double)rows / (double)columns;
+static haft_status find_data(place *p, const haft_nanoscope *h, const haft_nanoscope_list *l,
+                             haft_error *error) {
+    size_t columns = 0, rows = 0, bytes = 0;
+    struct {
+        const char *key;
+        size_t *value;
+    } wanted[] = {{"Samps/line", &columns},
+                  {"Number of lines", &rows},
+                  {"Data offset", &p->offset},
+                  {"Data length", &bytes}};
+    for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++) {
+        haft_status status = haft_nanoscope_get_count(wanted[k].value, h, l, wanted[k].key, error);
+        if (status != HAFT_OK) {
+            return status;
         }
+    }
+    char text[HAFT_NANOSCOPE_VALUE];
+    p->said = 2;
+    if (haft_nanoscope_find(l, "Bytes/pixel", text) > 0) {
+        haft_status status = haft_nanoscope_get_count(&p->said, h, l, "Bytes/pixel", error);
+        if (status != HAFT_OK) {
+            return status;
+        }
+    }
+    bool known = fills(p, columns, rows, bytes, NULL) ||
+                 fills(p, count_or_none(h, l, "Valid data len X"),
+                       count_or_none(h, l, "Valid data len Y"), bytes, "Valid data len") ||
+                 fills(p, scan_count(h, "Samps/line"), scan_count(h, "Lines"), bytes,
+                       "Lines of the scan list");
+    if (!known || (p->said != 2 && p->said != 4)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:%zu: %zu bytes of data for %zu x %zu pixels of %zu bytes; only 2 "
+                              "and 4 bytes a pixel are known, and 2 to %d pixels a side",
+                              h->file->path, l->line, bytes, rows, columns, p->said, MOST);
     }
     return HAFT_OK;
 }
+
+/* ---- sides ---- */
+
+/* "2:1" as width over height; 0 if it is none. */
+static double read_ratio(const char *text) {
+    char first[32];
+    const char *colon = strchr(text, ':');
+    double a = 0, b = 0;
+    size_t n = colon == NULL ? sizeof first : (size_t)(colon - text);
+    if (n >= sizeof first) {
+        return 0;
+    }
+    memcpy(first, text, n);
+    first[n] = '\0';
+    return haft_number_read(first, &a) && haft_number_read(colon + 1, &b) && a > 0 && b > 0 ? a / b
+                                                                                            : 0;
+}
+
+/* "10 10 ~m" or "2000 nm", which both are of two equal sides. */
+static bool read_scan_size(const char *text, double *width, double *height) {
+    char word[3][32];
+    size_t n = 0;
+    for (text += strspn(text, " \t"); *text != '\0'; text += strspn(text, " \t")) {
+        size_t length = strcspn(text, " \t");
+        if (n == 3 || length >= sizeof word[0]) {
+            return false;
+        }
+        memcpy(word[n], text, length);
+        word[n++][length] = '\0';
+        text += length;
+    }
+    double first = 0, second = 0;
+    return (n == 2 || n == 3) && haft_number_read(word[0], &first) &&
+           haft_number_read(word[n - 2], &second) && haft_map_length(first, word[n - 1], width) &&
+           haft_map_length(second, word[n - 1], height) && *width > 0 && *height > 0;
+}
+
+/* The height of a map whose scan size gives one side, by the ratio of its own or its frame's; 0 if
+ * the header does not give the frame's lines. */
+static double height_of_frame(const haft_nanoscope *h, const haft_nanoscope_list *l, const place *p,
+                              double width) {
+    char text[HAFT_NANOSCOPE_VALUE];
+    double own = haft_nanoscope_find(l, "Aspect ratio", text) > 0 ? read_ratio(text) : 0;
+    if (own > 0 && own != 1 && p->source == NULL) {
+        return width / own;
+    }
+    double ratio = haft_nanoscope_find_scan(h, "Aspect ratio", text) > 0 ? read_ratio(text) : 0;
+    size_t lines = scan_count(h, "Lines");
+    double share = lines > p->rows ? (double)p->rows / (double)lines : 1;
+    return lines == 0 ? 0 : width / (ratio > 0 ? ratio : 1) * share;
+}
+
+/* The sides of a map of two equal scan sizes, and what was assumed. */
+static void assume_sides(double side[2], char remark[256], const haft_nanoscope *h,
+                         const haft_nanoscope_list *l, const place *p) {
+    const haft_map_options *o = &h->file->options;
+    double square = side[0] * (double)p->rows / (double)p->columns;
+    double frame = height_of_frame(h, l, p, side[0]), other = frame > 0 ? square : side[0];
+    side[1] = frame > 0 ? frame : square;
+    if (fabs(side[1] / other - 1) <= 0.01) {
+        return;
+    }
+    if (o->width > 0 && o->height > 0) {
+        side[0] = o->width;
+        side[1] = o->height;
+        snprintf(remark, 256, "its size is the one given, since the header leaves it open");
+        return;
+    }
+    snprintf(remark, 256,
+             "%s pixels are assumed, so a map of %.4g x %.4g um, since the header%s; if %s square, "
+             "give its size as %.4g um x %.4g um",
+             frame > 0 ? "oblong" : "square", side[0] * 1e6, side[1] * 1e6,
+             frame > 0 ? "'s scan size and aspect ratio say so"
+                       : " does not give the lines of the frame",
+             frame > 0 ? "its pixels are" : "the frame is", side[0] * 1e6, other * 1e6);
+}
+
+/* The map's sides [m], and what was assumed of them. */
+static haft_status read_sides(double side[2], char remark[256], const haft_nanoscope *h,
+                              const haft_nanoscope_list *l, const place *p, haft_error *error) {
+    char text[HAFT_NANOSCOPE_VALUE], quoted[48];
+    size_t line = haft_nanoscope_find(l, "Scan size", text);
+    line = line > 0 ? line : haft_nanoscope_find_scan(h, "Scan size", text);
+    if (line == 0) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:%zu: the channel has no \"Scan size\"; the header is damaged",
+                              h->file->path, l->line);
+    }
+    if (!read_scan_size(text, &side[0], &side[1])) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:%zu: \"Scan size\" is \"%s\", no length; the header is damaged",
+                              h->file->path, line, haft_map_quote(quoted, text, 40));
+    }
+    remark[0] = '\0';
+    if (side[0] == side[1]) {
+        assume_sides(side, remark, h, l, p);
+    }
+    return HAFT_OK;
+}
+
+/* ---- heights ---- */
 
 static double raw_value(const unsigned char *at, size_t bytes) {
     if (bytes == 2) {
@@ -260,131 +221,98 @@ static double raw_value(const unsigned char *at, size_t bytes) {
     return (int32_t)word;
 }
 
-/* Where the channel's integers are: *stored bytes each, and what the header says of them. */
-static haft_status find_data(const header *h, const list *l, size_t *rows, size_t *columns,
-                             size_t *offset, size_t *stored, double *said, haft_error *error) {
-    double lines = 0, samples = 0, at = 0, length = 0;
-    *said = 2;
-    if (!find_number(l, "Number of lines", &lines) || !find_number(l, "Samps/line", &samples) ||
-        !find_number(l, "Data offset", &at) || !find_number(l, "Data length", &length)) {
-        return refuse(h,
-                      "the channel lacks its number of lines, samples a line, data offset or data "
-                      "length; the header is damaged",
-                      error);
+/* Lines and points that the header does not count as valid, as of a scan that was stopped. */
+static void remark_invalid(haft_map *map, const haft_nanoscope *h, const haft_nanoscope_list *l) {
+    char text[HAFT_NANOSCOPE_VALUE];
+    size_t columns = count_or_none(h, l, "Valid data len X");
+    size_t rows = count_or_none(h, l, "Valid data len Y");
+    if ((columns > 0 && columns < map->columns) || (rows > 0 && rows < map->rows)) {
+        haft_map_remark(map,
+                        "its header counts %zu x %zu pixels as valid, and all are read as heights",
+                        columns, rows);
     }
-    (void)find_number(l, "Bytes/pixel", said);
-    if (!(lines >= 2 && lines <= 32768 && samples >= 2 && samples <= 32768 && at > 0 && at < 1e12 &&
-          length > 0 && length < 1e12)) {
-        return refuse(h, "the header's counts of pixels or bytes make no sense; it is damaged",
-                      error);
+    if (haft_nanoscope_find(l, "Invalid Data Flag", text) > 0 && strcasecmp(text, "None") != 0) {
+        haft_map_remark(map, "its header marks invalid data (\"%.30s\"), which are read as heights",
+                        text);
     }
-    *rows = (size_t)lines;
-    *columns = (size_t)samples;
-    *offset = (size_t)at;
-    size_t pixels = *rows * *columns, bytes = (size_t)length;
-    *stored = bytes / pixels;
-    if ((*stored != 2 && *stored != 4) || (*said != 2 && *said != 4)) {
-        return haft_error_set(
-            error, HAFT_ERROR_INPUT,
-            "%s: %zu bytes of data for %zu x %zu pixels of %g bytes; only 2 and 4 "
-            "bytes a pixel are known",
-            h->file->path, bytes, *rows, *columns, *said);
-    }
-    if (*offset > h->file->size || h->file->size - *offset < *stored * pixels) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "%s: is cut short: the channel's data end at byte %zu, the file at "
-                              "%zu",
-                              h->file->path, *offset + *stored * pixels, h->file->size);
-    }
-    return HAFT_OK;
 }
 
-static haft_status read_channel(haft_map **out, const header *h, const list *l, haft_error *error) {
-    size_t rows = 0, columns = 0, offset = 0, stored = 0;
-    double said = 0, width = 0, height = 0;
-    haft_status status = find_data(h, l, &rows, &columns, &offset, &stored, &said, error);
+static void add_remarks(haft_map *map, const haft_nanoscope *h, const haft_nanoscope_channel *c,
+                        const place *p, const char *sides) {
+    if (sides[0] != '\0') {
+        haft_map_remark(map, "%s", sides);
+    }
+    if (p->source != NULL) {
+        haft_map_remark(map,
+                        "%zu x %zu pixels are read by \"%s\", since its own counts do not fit "
+                        "its data",
+                        p->columns, p->rows, p->source);
+    }
+    remark_invalid(map, h, c->list);
+    if (c->remark[0] != '\0') {
+        haft_map_remark(map, "%s", c->remark);
+    }
+}
+
+static haft_status read_channel(haft_map **out, const haft_nanoscope *h,
+                                const haft_nanoscope_channel *c, haft_error *error) {
+    place p = {.rows = 0};
+    double side[2], scale = 0, unit = 1;
+    char sides[256];
+    haft_status status = find_data(&p, h, c->list, error);
     if (status == HAFT_OK) {
-        status = read_sides(h, l, rows, columns, &width, &height, error);
+        status = read_sides(side, sides, h, c->list, &p, error);
     }
-    if (status != HAFT_OK) {
-        return status;
+    if (status == HAFT_OK) {
+        status = haft_nanoscope_get_scale(&scale, h, c->list, p.stored, p.said, error);
     }
-    double scale = channel_scale(h, l, stored, said);
-    if (!(fabs(scale) > 0 && isfinite(scale))) {
-        return refuse(h, "the channel has no z-scale in metres; choose one with heights", error);
+    if (status == HAFT_OK) {
+        status = haft_map_begin(out, h->file, p.rows, p.columns, side[0], side[1], &unit, error);
     }
-    double unit = 1;
-    status = haft_map_begin(out, h->file, rows, columns, width, height, &unit, error);
-    for (size_t i = 0; status == HAFT_OK && i < rows; i++) {
-        const unsigned char *line =
-            (const unsigned char *)h->file->bytes + offset + (rows - 1 - i) * columns * stored;
-        for (size_t j = 0; j < columns; j++) {
-            (*out)->z[i * columns + j] = scale * raw_value(line + j * stored, stored);
+    for (size_t i = 0; status == HAFT_OK && i < p.rows; i++) {
+        const unsigned char *line = (const unsigned char *)h->file->bytes + p.offset +
+                                    (p.rows - 1 - i) * p.columns * p.stored;
+        for (size_t j = 0; j < p.columns; j++) {
+            (*out)->z[i * p.columns + j] = scale * raw_value(line + j * p.stored, p.stored);
         }
     }
-    return status == HAFT_OK ? haft_map_end(out, h->file, unit, error) : status;
+    if (status == HAFT_OK) {
+        status = haft_map_end(out, h->file, unit, error);
+    }
+    if (status == HAFT_OK) {
+        memcpy((*out)->channel, c->label, sizeof c->label);
+        snprintf((*out)->format, sizeof(*out)->format, "Nanoscope");
+        add_remarks(*out, h, c, &p, sides);
+    }
+    return status;
 }
 
-/* Whether a channel is the one asked for; if none is, the first that can be metres. */
-static bool is_wanted(const header *h, const list *l, const char inner[64], const char outer[64]) {
-    const char *wanted = h->file->options.channel;
-    if (wanted[0] != '\0') {
-        return strcasecmp(wanted, inner) == 0 || strcasecmp(wanted, outer) == 0;
-    }
-    bool height = strncasecmp(inner, "Height", 6) == 0 || strncasecmp(outer, "Height", 6) == 0 ||
-                  strcasecmp(inner, "ZSensor") == 0;
-    return height && channel_scale(h, l, 2, 2) != 0;
-}
-
-static haft_status choose(haft_map **out, const header *h, haft_error *error) {
-    char names[512] = "";
-    size_t used = 0, images = 0;
-    for (size_t k = 0; k < h->lists; k++) {
-        char inner[64], outer[64];
-        channel_names(&h->list[k], inner, outer);
-        if (!h->list[k].image && inner[0] == '\0') {
-            continue;
-        }
-        if (!h->list[k].image) {
-            return refuse(h, "a line of its header that begins an image is lost; it is damaged",
-                          error);
-        }
-        images++;
-        const char *name = outer[0] != '\0' ? outer : inner;
-        if (is_wanted(h, &h->list[k], inner, outer)) {
-            haft_status status = read_channel(out, h, &h->list[k], error);
-            if (status == HAFT_OK) {
-                haft_map_name((*out)->channel, name, strlen(name));
-                snprintf((*out)->format, sizeof(*out)->format, "Nanoscope");
-            }
-            return status;
-        }
-        char quoted[48];
-        int wrote = snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "",
-                             haft_map_quote(quoted, name, 40));
-        used = wrote < 0 || used + (size_t)wrote >= sizeof names ? used : used + (size_t)wrote;
-    }
-    char quoted[48];
-    return images == 0 ? refuse(h, "its header lists no image", error)
-                       : haft_error_set(error, HAFT_ERROR_INPUT,
-                                        "%s: has no channel %s%s%s; it has: %s", h->file->path,
-                                        h->file->options.channel[0] != '\0' ? "\"" : "of heights",
-                                        haft_map_quote(quoted, h->file->options.channel, 40),
-                                        h->file->options.channel[0] != '\0' ? "\"" : "", names);
+/* Profiles of their own lengths are no map ("Start context" ends in VAR: deep trenches). */
+static haft_status check_mode(const haft_nanoscope *h, haft_error *error) {
+    char text[HAFT_NANOSCOPE_VALUE];
+    size_t n = haft_nanoscope_find_scan(h, "Start context", text) > 0 ? strlen(text) : 0;
+    return n >= 3 && strcasecmp(text + n - 3, "VAR") == 0
+               ? haft_error_set(error, HAFT_ERROR_INPUT,
+                                "%s: holds profiles of different lengths, no map", h->file->path)
+               : HAFT_OK;
 }
 
 haft_status haft_map_read_nanoscope(haft_map **out, const haft_map_file *file, haft_error *error) {
-    header *h = haft_memory_alloc(1, sizeof *h, error);
+    haft_nanoscope_channel chosen;
+    haft_nanoscope *h = haft_memory_alloc(1, sizeof *h, error);
     if (h == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    h->file = file;
-    haft_status status = find_lists(h)
-                             ? choose(out, h, error)
-                             : refuse(h,
-                                      "is a Nanoscope file whose header has no end "
-                                      "(\"\\*File list end\"); it is cut short or damaged",
-                                      error);
+    haft_status status = haft_nanoscope_open(h, file, error);
+    if (status == HAFT_OK) {
+        status = check_mode(h, error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_nanoscope_choose(&chosen, h, error);
+    }
+    if (status == HAFT_OK) {
+        status = read_channel(out, h, &chosen, error);
+    }
     haft_memory_free(h);
     return status;
 }

@@ -5,6 +5,7 @@
 #include "map_file.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,20 @@ bool haft_map_length(double number, const char *unit, double *value) {
         const char *name;
         double length;
     } units[] = {{"m", 1},
+                 {"meter", 1},
+                 {"metre", 1},
+                 {"meters", 1},
+                 {"metres", 1},
+                 {"micron", 1e-6},
+                 {"microns", 1e-6},
+                 {"micrometer", 1e-6},
+                 {"micrometre", 1e-6},
+                 {"micrometers", 1e-6},
+                 {"micrometres", 1e-6},
+                 {"nanometer", 1e-9},
+                 {"nanometre", 1e-9},
+                 {"nanometers", 1e-9},
+                 {"nanometres", 1e-9},
                  {"cm", 1e-2},
                  {"mm", 1e-3},
                  {"um", 1e-6},
@@ -62,9 +77,28 @@ void haft_map_name(char *destination, const char *text, size_t n) {
     destination[n] = '\0';
 }
 
+void haft_map_remark(haft_map *map, const char *format, ...) {
+    size_t used = strlen(map->note);
+    if (used > 0 && used + 2 < sizeof map->note) {
+        memcpy(map->note + used, "; ", 3);
+        used += 2;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(map->note + used, sizeof map->note - used, format, arguments);
+    va_end(arguments);
+}
+
+/* Whether the file and the options both give a length, and not the same. */
+static bool contradicts(double own, double given) {
+    return own > 0 && given > 0 && fabs(given / own - 1) > 1e-6;
+}
+
 haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t rows, size_t columns,
                            double width, double height, double *unit, haft_error *error) {
     const haft_map_options *o = &file->options;
+    bool size = contradicts(width, o->width) || contradicts(height, o->height);
+    bool scale = contradicts(*unit, o->unit);
     width = width > 0 ? width : o->width;
     height = height > 0 ? height : o->height;
     *unit = *unit > 0 ? *unit : o->unit;
@@ -83,6 +117,11 @@ haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t row
         haft_map_create(out, rows, columns, height / (double)rows, width / (double)columns, error);
     if (status != HAFT_OK) {
         haft_error_prefix(error, "%s: ", file->path);
+    } else if (size || scale) {
+        haft_map_remark(*out, "not used, since the file says its own: the %s given",
+                        !scale ? "size"
+                        : size ? "size and unit"
+                               : "unit");
     }
     return status;
 }
@@ -90,19 +129,26 @@ haft_status haft_map_begin(haft_map **out, const haft_map_file *file, size_t row
 haft_status haft_map_end(haft_map **out, const haft_map_file *file, double unit,
                          haft_error *error) {
     haft_map *map = *out;
-    for (size_t i = 0; i < map->rows * map->columns; i++) {
-        map->z[i] *= unit;
+    haft_status status = HAFT_OK;
+    for (size_t i = 0; status == HAFT_OK && i < map->rows * map->columns; i++) {
         if (isinf(map->z[i])) {
-            haft_status status =
+            status =
                 haft_error_set(error, HAFT_ERROR_INPUT,
                                "%s: the height in row %zu, column %zu is not finite; a missing "
                                "one is written nan",
                                file->path, i / map->columns + 1, i % map->columns + 1);
-            haft_map_destroy(out);
-            return status;
         }
     }
-    return HAFT_OK;
+    if (status == HAFT_OK) {
+        status = haft_map_check_marks(map, file, unit, error);
+    }
+    for (size_t i = 0; status == HAFT_OK && i < map->rows * map->columns; i++) {
+        map->z[i] *= unit;
+    }
+    if (status != HAFT_OK) {
+        haft_map_destroy(out);
+    }
+    return status;
 }
 
 haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
@@ -146,14 +192,10 @@ static haft_status read_kind(haft_map **out, const haft_map_file *file, haft_err
     if (file->size == 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT, "%s: is empty", file->path);
     }
-    if (begins(file, "\\*Force file list")) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "%s: holds Nanoscope force curves, no height map", file->path);
-    }
-    if (begins(file, "\\*File list") || begins(file, "\\*NC")) {
+    if (begins(file, "\\*") || begins(file, "?*File list")) {
         return haft_map_read_nanoscope(out, file, error);
     }
-    if (begins(file, "Gwyddion Simple Field 1.0\n")) {
+    if (begins(file, "Gwyddion Simple Field ")) {
         return haft_map_read_gsf(out, file, error);
     }
     if (is_hdf(file)) {

@@ -47,6 +47,7 @@ haft_status haft_map_copy(haft_map **out, const haft_map *map, haft_error *error
         memcpy((*out)->z, map->z, map->rows * map->columns * sizeof *map->z);
         memcpy((*out)->channel, map->channel, sizeof map->channel);
         memcpy((*out)->format, map->format, sizeof map->format);
+        memcpy((*out)->note, map->note, sizeof map->note);
     }
     return status;
 }

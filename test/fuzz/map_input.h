@@ -10,8 +10,9 @@
 #include <math.h>
 
 static inline haft_map_options map_options(uint8_t choice) {
-    static const char *const channels[] = {"", "Height", "data", "z"};
-    return (haft_map_options){.channel = channels[choice & 3],
+    static const char *const channels[] = {
+        "", "Height", "data", "z", "Height (retrace)", "Height 2", "height trace, main", "z/z"};
+    return (haft_map_options){.channel = channels[(choice & 3) | (choice >> 3 & 4)],
                               .width = (choice & 4) != 0 ? 1e-6 : 0,
                               .height = (choice & 4) != 0 ? 2e-6 : 0,
                               .unit = (choice & 8) != 0 ? 1e-9 : 0,
