@@ -145,12 +145,18 @@ typedef struct haft_map_options {
  *    raw / 2^bits * hard scale * sensitivity (new headers, `@2:Z scale: V [Sens. Zsens] (...) 24.6
  * V`) or raw / 2^16 * `Z scale` (old ones), or raw * `Z magnify image` / 655.36 nm (no version);
  *  - Gwyddion Simple Field (.gsf);
+ *  - Gwyddion's own files (.gwy): the channel named by options->channel, by its title or number, or
+ * the only one whose unit is a length; a mask is not applied, which the map's format says;
+ *  - NumPy arrays (.npy) of real or whole numbers, rows by columns, with size and unit from
+ * `options`;
  *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or German);
  * a bare matrix, with size and unit from `options`; three columns x, y, z of points on a grid (in
  * any order), taken for such where `options` gives no size;
  *  - HDF5: a two-dimensional dataset named by options->channel, or the only one there is; the unit
  * of heights from its text attribute `unit`, the size from its attribute `size` (width, height in
  * m), either from `options` if it has none.
+ *
+ *  Of many other formats the message says the name, and what to do.
  *
  *  Not-a-number is a missing pixel. Row 0 is the top of the image.
  *  @param[out] out the map; NULL after a failure
