@@ -318,7 +318,7 @@ static haft_status choose_named(const channel **chosen, const channel *channels,
 static haft_status choose_only(const channel **chosen, const channel *channels, size_t n,
                                const haft_map_file *file, haft_error *error) {
     char list[LIST_CAPACITY];
-    size_t found = 0;
+    size_t found = 0, unitless = 0;
     for (size_t k = 0; k < n; k++) {
         field f;
         double length = 0;
@@ -329,6 +329,7 @@ static haft_status choose_only(const channel **chosen, const channel *channels, 
             *chosen = &channels[k];
             found++;
         }
+        unitless += sound && f.unit[0] == '\0';
     }
     if (found == 1) {
         return HAFT_OK;
@@ -340,9 +341,12 @@ static haft_status choose_only(const channel **chosen, const channel *channels, 
                               file->path);
     }
     return haft_error_set(error, HAFT_ERROR_INPUT,
-                          found == 0 ? "%s: has no channel with heights; it has: %s"
-                                     : "%s: has several channels with heights; name one as the "
-                                       "channel, by its title or number: %s",
+                          found > 0 ? "%s: has several channels with heights; name one as the "
+                                      "channel, by its title or number: %s"
+                          : unitless > 0
+                              ? "%s: has no channel with heights; if one without a unit is of "
+                                "heights, give the unit, as nm; it has: %s"
+                              : "%s: has no channel with heights; it has: %s",
                           file->path, list_channels(list, channels, n));
 }
 

@@ -63,6 +63,7 @@ static void heights(void **state) {
     write_gwy(scratch_path(&s, "map.gwy", path));
     check_imported(&s, path, "0", 1, none, "Height [Forward]");
     check_imported(&s, path, "Height [Forward]", 1, none, "Height [Forward]");
+    check_imported(&s, path, "Height", 1, none, "Height [Forward]");
     check_imported(&s, path, "Height retrace", -1, none, "Height retrace");
     scratch_remove(&s);
 }

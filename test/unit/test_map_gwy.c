@@ -143,7 +143,7 @@ static void units(void **state) {
     gwy_part items = {NULL, 0};
     gwy_put_field(&items, "/0/data", &f);
     WITH_FILE(items, {
-        check_refuses(&s, &file, NULL, "no channel with heights; it has: 0 \"untitled\" (no unit)");
+        check_refuses(&s, &file, NULL, "give the unit, as nm; it has: 0 \"untitled\" (no unit)");
         check_reads(&s, &file, &sized, "untitled", 1e-9);
         haft_map_options named = {.channel = "0", .width = 1e-6, .height = 1e-6};
         check_refuses(&s, &file, &named, "unit of its heights");

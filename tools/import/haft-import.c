@@ -107,49 +107,72 @@ static bool has_heights(const import_channel *c) {
     return false;
 }
 
-/* The channel that is asked for, or the only one of heights; NULL after a message. */
-static const import_channel *choose(const import_file *file, const arguments *a) {
-    const import_channel *titled = NULL, *numbered = NULL, *heights = NULL;
-    guint titles = 0, lengths = 0;
+/* Whether a title is a name: 2 for the whole, 1 for all but the direction behind it. */
+static int matches(const import_channel *c, const char *name) {
+    size_t n = strlen(name);
+    return strcmp(c->title, name) == 0
+               ? 2
+               : n > 0 && strncmp(c->title, name, n) == 0 && strncmp(c->title + n, " [", 2) == 0;
+}
+
+static void complain_of_channels(const import_file *file, const char *what) {
+    import_complain("%s:", what);
+    print_channels(file, stderr);
+}
+
+/* The one that is named: by its whole title, by its title but for the direction, by its number. */
+static const import_channel *choose_named(const import_file *file, const char *path,
+                                          const char *name) {
+    const import_channel *titled[3] = {NULL}, *numbered = NULL;
+    guint titles[3] = {0};
     for (guint k = 0; k < file->channels->len; k++) {
         const import_channel *c = channel_at(file, k);
         char *number = g_strdup_printf("%d", c->number);
-        if (a->channel != NULL && strcmp(c->title, a->channel) == 0) {
-            titled = c;
-            titles++;
-        }
-        if (a->channel != NULL && strcmp(number, a->channel) == 0) {
-            numbered = c;
-        }
-        if (has_heights(c)) {
-            heights = c;
-            lengths++;
-        }
+        numbered = strcmp(number, name) == 0 ? c : numbered;
+        titled[matches(c, name)] = c;
+        titles[matches(c, name)]++;
         g_free(number);
     }
-    const import_channel *chosen = a->channel == NULL ? (lengths == 1 ? heights : NULL)
-                                   : titles == 1      ? titled
-                                   : titles == 0      ? numbered
-                                                      : NULL;
-    if (chosen == NULL) {
-        if (a->channel != NULL) {
-            import_complain(titles > 0 ? "%s: several channels are called \"%s\"; give the number:"
-                                       : "%s: has no channel \"%s\"; it has:",
-                            a->path, a->channel);
-        } else {
-            import_complain(lengths > 0 ? "%s: several channels are of heights; choose one with "
-                                          "--channel, by its title or number:"
-                                        : "%s: no channel is of heights; choose one with --channel "
-                                          "if it is one all the same:",
-                            a->path);
-        }
-        print_channels(file, stderr);
+    int best = titles[2] > 0 ? 2 : 1;
+    if (titles[best] == 1 || (titles[best] == 0 && numbered != NULL)) {
+        return titles[best] == 1 ? titled[best] : numbered;
     }
-    return chosen;
+    char *what =
+        g_strdup_printf(titles[best] > 0 ? "%s: several channels are called \"%s\"; give the number"
+                                         : "%s: has no channel \"%s\"; it has",
+                        path, name);
+    complain_of_channels(file, what);
+    g_free(what);
+    return NULL;
+}
+
+/* The only one of heights; NULL after a message. */
+static const import_channel *choose_only(const import_file *file, const char *path) {
+    const import_channel *heights = NULL;
+    guint lengths = 0;
+    for (guint k = 0; k < file->channels->len; k++) {
+        if (has_heights(channel_at(file, k))) {
+            heights = channel_at(file, k);
+            lengths++;
+        }
+    }
+    if (lengths != 1) {
+        char *what =
+            g_strdup_printf(lengths > 0 ? "%s: several channels are of heights; choose one with "
+                                          "--channel, by its title or number"
+                                        : "%s: no channel is of heights; choose one with "
+                                          "--channel if it is one all the same",
+                            path);
+        complain_of_channels(file, what);
+        g_free(what);
+        return NULL;
+    }
+    return heights;
 }
 
 static int convert(const import_file *file, const arguments *a) {
-    const import_channel *c = choose(file, a);
+    const import_channel *c =
+        a->channel != NULL ? choose_named(file, a->path, a->channel) : choose_only(file, a->path);
     if (c == NULL) {
         return IMPORT_INPUT;
     }

@@ -27,7 +27,7 @@ void import_complain(const char *format, ...) {
 char *import_clean(const char *text) {
     char *valid = g_utf8_make_valid(text, -1);
     GString *clean = g_string_new(NULL);
-    for (const char *at = valid; *at != '\0'; at = g_utf8_next_char(at)) {
+    for (char *at = valid; *at != '\0'; at = g_utf8_next_char(at)) {
         gunichar c = g_utf8_get_char(at);
         if (c == '\n' || c == '\r' || c == '\t') {
             c = ' ';

@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { PIXELS_MOST = 1 << 29 };
+
 /* What 32-bit numbers may round off, of the range of the heights. */
 static const double ROUNDING = 1e-5;
 
@@ -131,6 +133,13 @@ int import_write(const import_channel *channel, bool mask_missing, const char *p
             import_complain("%s is there already; add --force to replace it", path);
             return IMPORT_EXISTS;
         }
+    }
+    gint64 pixels =
+        (gint64)gwy_data_field_get_xres(channel->field) * gwy_data_field_get_yres(channel->field);
+    if (pixels > PIXELS_MOST) {
+        import_complain("channel \"%s\" has more than 2^29 pixels; cut it in Gwyddion",
+                        channel->title);
+        return IMPORT_INPUT;
     }
     heights h = take_heights(channel, mask_missing);
     double offset = take_offset(&h);
