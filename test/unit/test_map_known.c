@@ -58,7 +58,7 @@ static void beginnings(void **state) {
         {TEXT("CDF\2\0\0\0\0"), "NetCDF", "nccopy"},
         {TEXT("CDF\5\0\0\0\0"), "NetCDF", "nccopy"},
         {TEXT("MATLAB 5.0 MAT-file, Platform: PCWIN"), "MATLAB", "writematrix"},
-        {TEXT("\\*Force file list\r\n"), "force curves", "height channel"},
+        {TEXT("\\*Force file list\r\n"), "force curves", "no height map"},
         {TEXT("\x89PNG\r\n\x1a\n\0\0"), "PNG", "no heights"},
         {TEXT("\xff\xd8\xff\xe0\0\0"), "JPEG", "no heights"},
         {TEXT("GIF89a"), "GIF", "no heights"},

@@ -121,7 +121,7 @@ static void every_type(void **state) {
         assert_non_null(strstr(map->format, type));
         haft_map_destroy(&map);
         /* every cut is told */
-        for (size_t size = 1; size < f.size; size += 7) {
+        for (size_t size = 1; size < f.size; size += 29) {
             npy_file cut = f;
             cut.size = size;
             assert_int_equal(read_array(&map, &s, &cut, &sized, &error), HAFT_ERROR_INPUT);
@@ -162,14 +162,16 @@ static void extremes(void **state) {
                  cases[k].type);
         npy_file f = begin(1, header);
         for (int i = 0; i < 4; i++) {
-            put_word(&f, i == 1 ? cases[k].word : 0, cases[k].bytes, false);
+            put_word(&f, cases[k].word, cases[k].bytes, false);
         }
         haft_map *map = NULL;
         haft_error error = {0};
-        haft_map_options metres = {.width = 1, .height = 1, .unit = 1};
-        check_ok(read_array(&map, &s, &f, &metres, &error), error);
-        assert_true(isnan(cases[k].value) ? isnan(map->z[1]) : map->z[1] == cases[k].value);
-        assert_true(map->z[0] == 0 && map->z[2] == 0 && map->z[3] == 0);
+        haft_map_options small = {.width = 1, .height = 1, .unit = 1e-18};
+        check_ok(read_array(&map, &s, &f, &small, &error), error);
+        double z = cases[k].value * 1e-18;
+        for (int i = 0; i < 4; i++) {
+            assert_true(isnan(z) ? isnan(map->z[i]) : map->z[i] == z);
+        }
         haft_map_destroy(&map);
     }
     scratch_remove(&s);
