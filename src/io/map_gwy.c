@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { CHANNELS_MOST = 1024, LIST_CAPACITY = 1200, NUMBER_MOST = 100000000 };
+enum { CHANNELS_MOST = 1024, LIST_CAPACITY = 1200, TITLE_CAPACITY = 160, NUMBER_MOST = 100000000 };
 
 /* Bytes of the file that are left to read. */
 typedef struct cursor {
@@ -28,7 +28,8 @@ typedef struct item {
 
 typedef struct channel {
     size_t number;
-    const char *title; /* NULL: none */
+    const char *title;     /* NULL: none */
+    const char *direction; /* of the scan, by its metadata; NULL: none */
     bool masked;
     cursor field; /* items of its GwyDataField */
 } channel;
@@ -177,7 +178,32 @@ static channel *find_number(channel *channels, size_t n, size_t number) {
     return NULL;
 }
 
-/* All channels, then their titles and masks, which may stand before or after them. */
+/* The text of the metadata whose key ends in "direction"; NULL if there is none. What is damaged is
+ * left: it is no part of the map. */
+static const char *find_direction(cursor meta) {
+    static const char word[] = "direction";
+    item i;
+    for (cursor c = meta; c.at < c.end && take_item(&c, &i);) {
+        size_t n = strlen(i.name), m = sizeof word - 1;
+        if (i.type == 's' && n >= m && strcasecmp(i.name + n - m, word) == 0 && *i.text != '\0') {
+            return i.text;
+        }
+    }
+    return NULL;
+}
+
+/* What an item says of a channel beside its heights. */
+static void describe(channel *c, const char *what, const item *i) {
+    if (strcmp(what, "data/title") == 0 && i->type == 's') {
+        c->title = i->text;
+    } else if (strcmp(what, "mask") == 0 && i->type == 'o') {
+        c->masked = true;
+    } else if (strcmp(what, "meta") == 0 && i->type == 'o') {
+        c->direction = find_direction(i->value);
+    }
+}
+
+/* All channels, then what is said of them, which may stand before or after them. */
 static haft_status find_channels(channel *channels, size_t *n, cursor items,
                                  const haft_map_file *file, haft_error *error) {
     for (int pass = 0; pass < 2; pass++) {
@@ -201,11 +227,8 @@ static haft_status find_channels(channel *channels, size_t *n, cursor items,
                                    error);
                 }
                 channels[(*n)++] = (channel){.number = number, .field = i.value};
-            } else if (pass == 1 && old != NULL && strcmp(rest, "data/title") == 0 &&
-                       i.type == 's') {
-                old->title = i.text;
-            } else if (pass == 1 && old != NULL && strcmp(rest, "mask") == 0 && i.type == 'o') {
-                old->masked = true;
+            } else if (pass == 1 && old != NULL) {
+                describe(old, rest, &i);
             }
         }
     }
@@ -260,41 +283,50 @@ static bool read_field(field *f, cursor items) {
 
 /* ---- which channel ---- */
 
-static const char *title_of(const channel *c) {
+static const char *bare_title(const channel *c) {
     return c->title != NULL && c->title[0] != '\0' ? c->title : "untitled";
+}
+
+/* The title with the direction behind it, "Height [Trace]", unless that is in it already. */
+static const char *full_title(char title[TITLE_CAPACITY], const channel *c) {
+    const char *bare = bare_title(c);
+    bool told = c->direction == NULL || strcasestr(bare, c->direction) != NULL;
+    snprintf(title, TITLE_CAPACITY, told ? "%.100s" : "%.100s [%.40s]", bare, c->direction);
+    return title;
 }
 
 /* All channels for a message: numbers, titles, units. */
 static const char *list_channels(char list[LIST_CAPACITY], const channel *channels, size_t n) {
     list[0] = '\0';
     for (size_t k = 0; k < n; k++) {
-        char title[48], unit[48];
+        char title[TITLE_CAPACITY], quoted[48], unit[48];
         field f;
         size_t used = strlen(list);
         if (used > LIST_CAPACITY - 160) {
             snprintf(list + used, LIST_CAPACITY - used, ", ...");
             break;
         }
-        const char *text = title_of(&channels[k]);
+        full_title(title, &channels[k]);
         const char *known = read_field(&f, channels[k].field) ? f.unit : "damaged";
         snprintf(list + used, LIST_CAPACITY - used, "%s%zu \"%s\" (%s)", k > 0 ? ", " : "",
-                 channels[k].number, haft_map_quote(title, text, strlen(text)),
+                 channels[k].number, haft_map_quote(quoted, title, strlen(title)),
                  known[0] != '\0' ? haft_map_quote(unit, known, strlen(known)) : "no unit");
     }
     return list;
 }
 
-/* The one that is named, by its title or its number. */
+/* The one that is named, by its title with or without the direction, or by its number. */
 static haft_status choose_named(const channel **chosen, const channel *channels, size_t n,
                                 const haft_map_file *file, haft_error *error) {
     const char *name = file->options.channel;
-    char number[24], list[LIST_CAPACITY], quoted[48];
+    char number[24], list[LIST_CAPACITY], quoted[48], title[TITLE_CAPACITY];
     size_t titled = 0;
     const channel *numbered = NULL;
     for (size_t k = 0; k < n; k++) {
         snprintf(number, sizeof number, "%zu", channels[k].number);
         numbered = strcmp(number, name) == 0 ? &channels[k] : numbered;
-        if (strcmp(title_of(&channels[k]), name) == 0) {
+        if (strcmp(bare_title(&channels[k]), name) == 0 ||
+            strcmp(full_title(title, &channels[k]), name) == 0) {
             *chosen = &channels[k];
             titled++;
         }
@@ -401,10 +433,12 @@ static haft_status read_channel(haft_map **out, const channel *c, const haft_map
                                 haft_error *error) {
     field f;
     double unit = 0;
+    char title[TITLE_CAPACITY];
+    full_title(title, c);
     if (!read_field(&f, c->field)) {
         return damaged(file, "an item of the channel reaches beyond it", error);
     }
-    haft_status status = check_field(&f, &unit, file, title_of(c), error);
+    haft_status status = check_field(&f, &unit, file, title, error);
     if (status == HAFT_OK) {
         status = haft_map_begin(out, file, f.rows, f.columns, f.width, f.height, &unit, error);
     }
@@ -415,7 +449,7 @@ static haft_status read_channel(haft_map **out, const channel *c, const haft_map
         status = haft_map_end(out, file, unit, error);
     }
     if (status == HAFT_OK) {
-        haft_map_name((*out)->channel, title_of(c), strlen(title_of(c)));
+        haft_map_name((*out)->channel, title, strlen(title));
         snprintf((*out)->format, sizeof(*out)->format, "Gwyddion%s",
                  c->masked ? " (it has a mask, which is not applied)" : "");
     }

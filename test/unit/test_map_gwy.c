@@ -114,10 +114,11 @@ static void channels(void **state) {
         haft_map_options named = {.channel = "12"};
         check_reads(&s, &file, &named, "Height [Trace]", 1);
         named.channel = "0";
-        check_refuses(&s, &file, &named, "channel \"Phase\" are in \"deg\", no heights");
+        check_refuses(&s, &file, &named, "channel \"Phase [Forward]\" are in \"deg\", no heights");
         named.channel = "Zed";
-        check_refuses(&s, &file, &named,
-                      "no channel \"Zed\"; it has: 0 \"Phase\" (deg), 12 \"Height [Trace]\" (m)");
+        check_refuses(
+            &s, &file, &named,
+            "no channel \"Zed\"; it has: 0 \"Phase [Forward]\" (deg), 12 \"Height [Trace]\" (m)");
     });
     gwy_put_field(&items, "/3/data", &nano);
     gwy_put_text(&items, "/3/data/title", "12");
@@ -158,6 +159,39 @@ static void units(void **state) {
     items = (gwy_part){NULL, 0};
     gwy_put_field(&items, "/0/data", &f);
     WITH_FILE(items, check_refuses(&s, &file, &sized, "sides must be positive"));
+    scratch_remove(&s);
+}
+
+/* Two channels of one title are told apart by the direction that their metadata give. */
+static void directions(void **state) {
+    (void)state;
+    scratch s = scratch_create();
+    static const char *const words[] = {"Trace", "Retrace"};
+    gwy_part items = {NULL, 0};
+    gwy_field f = height_field();
+    for (int k = 0; k < 2; k++) {
+        gwy_part meta = {NULL, 0};
+        char key[40];
+        gwy_put_text(&meta, "Operator", "me");
+        gwy_put_text(&meta, "Scan Direction", words[k]);
+        snprintf(key, sizeof key, "/%d/meta", k);
+        gwy_put_object(&items, key, "GwyContainer", meta);
+        snprintf(key, sizeof key, "/%d/data", k);
+        f.unit = k == 0 ? "m" : "nm";
+        gwy_put_field(&items, key, &f);
+        snprintf(key, sizeof key, "/%d/data/title", k);
+        gwy_put_text(&items, key, "Height");
+    }
+    WITH_FILE(items, {
+        haft_map_options named = {.channel = "Height"};
+        check_refuses(&s, &file, &named,
+                      "several channels \"Height\"; give the number of one: 0 \"Height [Trace]\" "
+                      "(m), 1 \"Height [Retrace]\" (nm)");
+        named.channel = "Height [Retrace]";
+        check_reads(&s, &file, &named, "Height [Retrace]", 1e-9);
+        named.channel = "0";
+        check_reads(&s, &file, &named, "Height [Trace]", 1);
+    });
     scratch_remove(&s);
 }
 
@@ -252,8 +286,8 @@ static void damaged(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(channels), cmocka_unit_test(units),
-                                       cmocka_unit_test(masks), cmocka_unit_test(refused),
-                                       cmocka_unit_test(damaged)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(channels),   cmocka_unit_test(units),
+                                       cmocka_unit_test(directions), cmocka_unit_test(masks),
+                                       cmocka_unit_test(refused),    cmocka_unit_test(damaged)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
