@@ -148,6 +148,10 @@ typedef struct haft_map_options {
  * two equal sides of `Scan size` are those of the frame, whose ratio and lines tell the map's
  * height;
  *  - Gwyddion Simple Field (.gsf);
+ *  - Gwyddion's own files (.gwy): the channel named by options->channel, by its title or number, or
+ * the only one whose unit is a length; a mask is not applied, which the map's note says;
+ *  - NumPy arrays (.npy) of real or whole numbers, rows by columns, with size and unit from
+ * `options`;
  *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or German);
  * a bare matrix, with size and unit from `options`; three columns x, y, z of points on a grid (in
  * any order), taken for such where `options` gives no size;
@@ -155,6 +159,8 @@ typedef struct haft_map_options {
  * of heights from its text attribute `unit`, the size from its attribute `size` (width, height in
  * m), either from `options` if it has none; NetCDF's `units`, `scale_factor`, `add_offset`,
  * `_FillValue`, `missing_value` and valid range hold, and dimensions of length 1 count for nothing.
+ *
+ *  Of many other formats the message says the name, and what to do.
  *
  *  Not-a-number is a missing pixel. Row 0 is the top of the image. What had to be assumed is told
  * in the map's note. Marks of missing pixels that the file does not declare (-9999, 1e38, a value

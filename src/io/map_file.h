@@ -17,6 +17,14 @@ haft_status haft_map_read_nanoscope(haft_map **out, const haft_map_file *file, h
 haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_error *error);
 haft_status haft_map_read_text(haft_map **out, const haft_map_file *file, haft_error *error);
 haft_status haft_map_read_hdf(haft_map **out, const haft_map_file *file, haft_error *error);
+haft_status haft_map_read_gwy(haft_map **out, const haft_map_file *file, haft_error *error);
+haft_status haft_map_read_npy(haft_map **out, const haft_map_file *file, haft_error *error);
+
+/* Whether the contents are of a format that is not read but known by name; and the messages that
+ * say so, or that nothing is known of the file. They make no map. */
+bool haft_map_is_known(const haft_map_file *file);
+haft_status haft_map_refuse_known(haft_map **out, const haft_map_file *file, haft_error *error);
+haft_status haft_map_refuse_unknown(haft_map **out, const haft_map_file *file, haft_error *error);
 
 /* What `number unit` is in metres; instruments' spellings ("~m", a Latin-1 micro sign) are known.
  * False if it is no length. */

@@ -188,27 +188,52 @@ static bool is_text(const haft_map_file *file) {
     return file->size > 0;
 }
 
+static bool is_nanoscope(const haft_map_file *file) {
+    return begins(file, "\\*") || begins(file, "?*File list");
+}
+
+static bool is_gsf(const haft_map_file *file) {
+    return begins(file, "Gwyddion Simple Field ");
+}
+
+static bool is_gwy(const haft_map_file *file) {
+    return begins(file, "GWYP");
+}
+
+static bool is_npy(const haft_map_file *file) {
+    return begins(file, "\223NUMPY");
+}
+
+static bool is_any(const haft_map_file *file) {
+    (void)file;
+    return true;
+}
+
+/* The first kind that a file is of reads it, or says why it cannot be read. Formats whose names
+ * alone are known may begin like a text, so text stands behind them. */
+static const struct kind {
+    bool (*is)(const haft_map_file *file);
+    haft_status (*read)(haft_map **out, const haft_map_file *file, haft_error *error);
+} kinds[] = {
+    {is_nanoscope, haft_map_read_nanoscope},
+    {is_gsf, haft_map_read_gsf},
+    {is_gwy, haft_map_read_gwy},
+    {is_npy, haft_map_read_npy},
+    {is_hdf, haft_map_read_hdf},
+    {haft_map_is_known, haft_map_refuse_known},
+    {is_text, haft_map_read_text},
+    {is_any, haft_map_refuse_unknown},
+};
+
 static haft_status read_kind(haft_map **out, const haft_map_file *file, haft_error *error) {
     if (file->size == 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT, "%s: is empty", file->path);
     }
-    if (begins(file, "\\*") || begins(file, "?*File list")) {
-        return haft_map_read_nanoscope(out, file, error);
+    const struct kind *kind = kinds;
+    while (!kind->is(file)) {
+        kind++;
     }
-    if (begins(file, "Gwyddion Simple Field ")) {
-        return haft_map_read_gsf(out, file, error);
-    }
-    if (is_hdf(file)) {
-        return haft_map_read_hdf(out, file, error);
-    }
-    if (is_text(file)) {
-        return haft_map_read_text(out, file, error);
-    }
-    return haft_error_set(
-        error, HAFT_ERROR_INPUT,
-        "%s: is no height map that Haft knows: Nanoscope (binary), Gwyddion Simple "
-        "Field, HDF5, or text (a matrix, or columns x y z)",
-        file->path);
+    return kind->read(out, file, error);
 }
 
 haft_status haft_map_read(haft_map **out, const char *path, const haft_map_options *options,

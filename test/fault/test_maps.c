@@ -180,7 +180,8 @@ static void foreign_and_incomplete_files(void **state) {
     haft_map_options points = {.unit = 1e-9, .lateral_unit = 1e-9};
     REFUSE("", NULL, "is empty");
     REFUSE("This is nonsense.", NULL, "begins with \"This\"");
-    REFUSE("\x89PNG\r\n\x1a\n\0\0\0", NULL, "no height map that Haft knows");
+    REFUSE("\x89PNG\r\n\x1a\n\0\0\0", NULL, "is a PNG image");
+    REFUSE("\1\2\3\0\0\0", NULL, "no height map that Haft knows");
     REFUSE("\\*Force file list\r\n", NULL, "force curves");
     REFUSE("1 2\n3 4\n", &unit, "give its size");
     REFUSE("1 2\n3 4\n", &sized, "unit of its heights");
