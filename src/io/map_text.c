@@ -15,8 +15,8 @@ typedef struct lines {
     char *text;
     haft_map_title title;
     haft_map_row *row;
-    size_t rows;
-    size_t gap;     /* lines without numbers between the first two rows */
+    size_t rows, room, most; /* most: lines of the file */
+    size_t gap;              /* lines without numbers between the first two rows */
     size_t parting; /* the line of the first gap that is not like the first, 0 if there is none */
     bool remark;    /* what stands there is a remark, not a blank line */
 } lines;
@@ -48,6 +48,30 @@ static haft_status refuse_known_kinds(const haft_map_file *file, const char *tex
                                   file->path, kinds[k].name);
         }
     }
+    return HAFT_OK;
+}
+
+/* Room for all rows where there are more than a matrix may have, if they may be points: three
+ * numbers, which decimal commas make look like six. */
+static haft_status make_room(lines *l, const haft_map_file *file, size_t number,
+                             haft_error *error) {
+    size_t words = 0;
+    for (const char *at = l->row[0].text; *(at += strspn(at, " \t,;")) != '\0'; words++) {
+        at += strcspn(at, " \t,;");
+    }
+    if (words < 3 || words > 6) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "%s:%zu: a map of more than %d rows; it needs 2 to %d pixels a side",
+                              file->path, number, HAFT_MAP_SIDE_MOST, HAFT_MAP_SIDE_MOST);
+    }
+    haft_map_row *more = haft_memory_alloc(l->most, sizeof *more, error);
+    if (more == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    memcpy(more, l->row, l->rows * sizeof *more);
+    haft_memory_free(l->row);
+    l->row = more;
+    l->room = l->most;
     return HAFT_OK;
 }
 
@@ -97,6 +121,10 @@ static haft_status tell_lines_apart(lines *l, const haft_map_file *file, haft_er
                                   "holds more than one map; give one map a file",
                                   file->path, second);
         }
+        status = l->rows == l->room ? make_room(l, file, number, error) : HAFT_OK;
+        if (status != HAFT_OK) {
+            return status;
+        }
         add_row(l, line, number, gap, since, remark);
         gap = 0;
         remark = false;
@@ -126,7 +154,9 @@ static haft_status make_lines(lines *l, const haft_map_file *file, haft_error *e
     for (const char *at = l->text; (at = strchr(at, '\n')) != NULL; at++) {
         most++;
     }
-    l->row = haft_memory_alloc(most, sizeof *l->row, error);
+    l->most = most;
+    l->room = most > HAFT_MAP_SIDE_MOST ? HAFT_MAP_SIDE_MOST : most;
+    l->row = haft_memory_alloc(l->room, sizeof *l->row, error);
     status = l->row == NULL ? HAFT_ERROR_MEMORY : tell_lines_apart(l, file, error);
     if (status == HAFT_OK && l->rows == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: holds no numbers", file->path);
