@@ -2,6 +2,7 @@
 /* What a height map holds: read, cleaned as a case would, its statistics, spectrum and figures. */
 #include "inspect.h"
 #include "gnuplot.h"
+#include "inspect_words.h"
 
 #include <errno.h>
 #include <math.h>
@@ -9,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { BINS = 60, DRAWN_MOST = 512, SIDE_CAPACITY = 120 };
+enum { BINS = 60, DRAWN_MOST = 512 };
 
 typedef struct wishes {
     haft_map_options options;
@@ -50,71 +51,9 @@ static haft_status choose(int *choice, const char *option, const char *word,
                           word, all);
 }
 
-static haft_status read_length(double *value, const haft_units *units, const char *option,
-                               const char *text, const char *example, haft_error *error) {
-    if (text == NULL) {
-        return HAFT_OK;
-    }
-    haft_error own = {0};
-    double length = 0;
-    haft_status status = haft_units_parse(units, text, "m", &length, &own);
-    if (status == HAFT_ERROR_MEMORY) {
-        return haft_error_set(error, status, "%s", own.message);
-    }
-    if (status != HAFT_OK || !(length > 0)) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "--%s \"%.80s\" is no positive length%s%s; give it as %s", option,
-                              text, status != HAFT_OK ? ": " : "", own.message, example);
-    }
-    *value = length;
-    return HAFT_OK;
-}
-
-/* "10 um x 5 um" */
-static haft_status read_size(wishes *w, const haft_units *units, const char *text,
-                             haft_error *error) {
-    if (text == NULL) {
-        return HAFT_OK;
-    }
-    const char *cross = strchr(text, 'x');
-    size_t side = cross != NULL ? (size_t)(cross - text) : 0;
-    char width[SIDE_CAPACITY] = "", height[SIDE_CAPACITY] = "";
-    if (cross == NULL || side >= sizeof width || strlen(cross + 1) >= sizeof height) {
-        return haft_error_set(
-            error, HAFT_ERROR_INPUT,
-            "--size \"%.80s\" is no width and height; give it as \"10 um x 5 um\"", text);
-    }
-    memcpy(width, text, side);
-    snprintf(height, sizeof height, "%s", cross + 1);
-    while (side > 0 && width[side - 1] == ' ') {
-        width[--side] = '\0';
-    }
-    haft_status status =
-        read_length(&w->options.width, units, "size", width, "\"10 um x 5 um\"", error);
-    return status != HAFT_OK
-               ? status
-               : read_length(&w->options.height, units, "size", height, "\"10 um x 5 um\"", error);
-}
-
-/* "nm" or "2 nm" */
-static haft_status read_unit(double *unit, const haft_units *units, const char *option,
-                             const char *text, haft_error *error) {
-    char quantity[SIDE_CAPACITY + 2] = "";
-    if (text == NULL) {
-        return HAFT_OK;
-    }
-    if (strlen(text) >= SIDE_CAPACITY) {
-        return haft_error_set(error, HAFT_ERROR_INPUT,
-                              "--%s has %zu characters; give a unit such as nm", option,
-                              strlen(text));
-    }
-    bool bare = strpbrk(text, "0123456789") == NULL;
-    snprintf(quantity, sizeof quantity, "%s%s", bare ? "1 " : "", text);
-    return read_length(unit, units, option, quantity, "nm", error);
-}
-
 static haft_status understand(wishes *w, const inspect_words *words, haft_error *error) {
     haft_units *units = NULL;
+    double size[2] = {0, 0};
     *w = (wishes){.options = {.channel = words->channel},
                   .clean = {.level = HAFT_LEVEL_PLANE},
                   .window = HAFT_WINDOW_HANN};
@@ -130,18 +69,18 @@ static haft_status understand(wishes *w, const inspect_words *words, haft_error 
         status = choose(&missing, "missing", words->missing, treatments, error);
     }
     if (status == HAFT_OK) {
-        status = read_size(w, units, words->size, error);
+        status = words_read_size(size, units, words->size, error);
     }
     if (status == HAFT_OK) {
-        status = read_unit(&w->options.unit, units, "unit", words->unit, error);
+        status = words_read_unit(&w->options.unit, units, "unit", words->unit, error);
     }
     if (status == HAFT_OK) {
-        status =
-            read_unit(&w->options.lateral_unit, units, "lateral-unit", words->lateral_unit, error);
+        status = words_read_unit(&w->options.lateral_unit, units, "lateral-unit",
+                                 words->lateral_unit, error);
     }
     if (status == HAFT_OK) {
-        status =
-            read_length(&w->tip_radius, units, "tip-radius", words->tip_radius, "\"8 nm\"", error);
+        status = words_read_length(&w->tip_radius, units, "tip-radius", words->tip_radius,
+                                   "\"8 nm\"", error);
     }
     if (status == HAFT_OK && words->outliers != NULL) {
         double limit = 0;
@@ -154,6 +93,8 @@ static haft_status understand(wishes *w, const inspect_words *words, haft_error 
         }
     }
     haft_units_destroy(&units);
+    w->options.width = size[0];
+    w->options.height = size[1];
     w->clean.level = (haft_level)level;
     w->clean.missing = (haft_missing)missing;
     w->window = (haft_window)window;

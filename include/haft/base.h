@@ -112,6 +112,12 @@ size_t haft_text_character(const char *text, size_t size, uint32_t *code);
  *  order mark. Thread-safe. */
 bool haft_text_is_printable(uint32_t code);
 
+/** Length of the blank that a text begins with: a space, a tab, or one of Unicode's spaces in UTF-8
+ *  (no-break, narrow no-break, thin, figure, zero-width ...). Thread-safe.
+ *  @param[in] text ends with a 0
+ *  @return its bytes, 0 if the text begins with no blank */
+size_t haft_text_blank(const char *text);
+
 /** Bytes of one character as haft_text_spell() writes it, its final 0 included. */
 #define HAFT_SPELLED_CAPACITY 12
 

@@ -410,14 +410,15 @@ void haft_io_drop_stale(const char *path);
 /** Writes a text to `path`, whole or not at all. Thread-safe for distinct paths. */
 haft_status haft_text_write(const char *path, const char *text, haft_error *error) HAFT_MUST_CHECK;
 
-/** Reads a text file whole. Thread-safe.
+/** Reads a text file whole. A byte order mark is left out, UTF-16 with one becomes UTF-8, and a CR
+ *  that ends a line alone becomes an LF. Thread-safe.
  *  @param[out] text its bytes and a 0, for haft_memory_free(); NULL on failure
  *  @param[out] size how many bytes there are before that 0
  *  @param[in] path a regular file without NUL characters
  *  @param[in] most the most bytes it may have
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than `most`
- * or holds a NUL character, HAFT_ERROR_MEMORY */
+ *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than `most`,
+ *  holds a NUL character or is no valid UTF-16 behind such a mark, HAFT_ERROR_MEMORY */
 haft_status haft_text_read(char **text, size_t *size, const char *path, size_t most,
                            haft_error *error) HAFT_MUST_CHECK;
 

@@ -64,13 +64,15 @@ typedef enum haft_window {
     HAFT_WINDOW_TUKEY,    /**< flat, with sin^2 flanks of an eighth of the side */
 } haft_window;
 
-/** Levels a map in place. @return HAFT_ERROR_INPUT if too few pixels are left to tell the terms.
- *  Thread-safe for distinct maps. */
+/** Levels a map in place. By lines, a line without pixels stays as it is, and the only pixel of a
+ *  line becomes a missing one. @return HAFT_ERROR_INPUT if too few pixels are left to tell the
+ *  terms. Thread-safe for distinct maps. */
 haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) HAFT_MUST_CHECK;
 
 /** Marks as missing what lies further than `limit` times 1.4826 MAD from the median (MAD: median
  *  absolute deviation; for normal heights, `limit` standard deviations).
- *  @return HAFT_ERROR_INPUT if more than half of the pixels go or the MAD is 0. */
+ *  @return HAFT_ERROR_INPUT if more than half of the pixels go, or if 1.4826 MAD is 0 or less than
+ *  the step that heights are rounded to: outliers cannot be told then. */
 haft_status haft_map_mask(haft_map *map, double limit, size_t *masked,
                           haft_error *error) HAFT_MUST_CHECK;
 
@@ -87,7 +89,7 @@ typedef struct haft_clean_spec {
 
 /** What cleaning a map found. */
 typedef struct haft_clean_facts {
-    size_t missing; /**< pixels that the file lacked */
+    size_t missing; /**< pixels that the file lacked, or that were alone in a line to be levelled */
     size_t masked;  /**< pixels masked as outliers */
 } haft_clean_facts;
 

@@ -33,6 +33,23 @@ size_t haft_text_character(const char *text, size_t size, uint32_t *code) {
     return n;
 }
 
+size_t haft_text_blank(const char *text) {
+    const unsigned char *t = (const unsigned char *)text;
+    if (*t == ' ' || *t == '\t') {
+        return 1;
+    }
+    if (t[0] == 0xc2 && t[1] == 0xa0) { /* no-break */
+        return 2;
+    }
+    if (t[0] == 0xe2 && t[1] == 0x80) { /* U+2000 to U+200B, U+202F */
+        return (t[2] >= 0x80 && t[2] <= 0x8b) || t[2] == 0xaf ? 3 : 0;
+    }
+    bool wide = (t[0] == 0xe2 && t[1] == 0x81 && (t[2] == 0x9f || t[2] == 0xa0)) ||
+                (t[0] == 0xe3 && t[1] == 0x80 && t[2] == 0x80) ||
+                (t[0] == 0xef && t[1] == 0xbb && t[2] == 0xbf); /* U+205F, 2060, 3000, FEFF */
+    return wide ? 3 : 0;
+}
+
 bool haft_text_is_printable(uint32_t code) {
     return code >= 0x20 && !(code >= 0x7f && code < 0xa0) && code != 0x2028 && code != 0x2029 &&
            code != 0xfeff && (code & 0xfffe) != 0xfffe;

@@ -72,12 +72,10 @@ static size_t begins_with(const char *text, const char *const *sequences) {
     return 0;
 }
 
-/* A blank, a tab, a no-break space. */
 static size_t skip_blanks(const char *text) {
-    static const char *const blanks[] = {" ", "\t", "\xc2\xa0", NULL};
     size_t n = 0;
     for (size_t more = 1; more > 0; n += more) {
-        more = begins_with(text + n, blanks);
+        more = haft_text_blank(text + n);
     }
     return n;
 }
@@ -302,6 +300,25 @@ static haft_status check_unit(const char *given, const char *text, const char *w
                           pure ? "at most a %" : "a unit that converts to ", pure ? "" : wanted);
 }
 
+/* The unit behind the number with plain spaces in place of blanks, none at its end. @return its
+ * length in the text, without those. */
+static size_t copy_unit(char given[UNIT_CAPACITY], const char *text) {
+    size_t length = 0, used = 0, n = 0;
+    while (text[n] != '\0') {
+        size_t blank = haft_text_blank(text + n);
+        if (used + 1 < UNIT_CAPACITY) {
+            given[used++] = blank > 0 ? ' ' : text[n];
+        }
+        n += blank > 0 ? blank : 1;
+        length = blank > 0 ? length : n;
+    }
+    while (used > 0 && given[used - 1] == ' ') {
+        used--;
+    }
+    given[used] = '\0';
+    return length;
+}
+
 haft_status haft_units_parse(const haft_units *units, const char *text, const char *unit,
                              double *value, haft_error *error) {
     const char *end = NULL;
@@ -313,17 +330,12 @@ haft_status haft_units_parse(const haft_units *units, const char *text, const ch
         return status;
     }
     end += skip_blanks(end);
-    size_t length = strlen(end);
-    while (length > 0 && (end[length - 1] == ' ' || end[length - 1] == '\t')) {
-        length--;
-    }
+    size_t length = copy_unit(given, end);
     if (length >= sizeof given) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "\"%.40s...\" has a unit of %zu bytes; give one that converts to %s",
                               text, length, unit);
     }
-    memcpy(given, end, length);
-    given[length] = '\0';
     if (length == 0 && strcmp(unit, "1") != 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "\"%.80s\" has no unit; give one that converts to %s", text, unit);

@@ -11,14 +11,18 @@ static bool find_columns(const char *line, const char *const names[2], size_t pl
     bool found[2] = {false, false};
     size_t column = 0;
     for (const char *at = line; *at != '\0'; column++) {
-        size_t n = strcspn(at, ",\r\n");
+        const char *name = at + strspn(at, " \t\"");
+        at += strcspn(at, ",");
+        size_t n = at > name ? (size_t)(at - name) : 0;
+        while (n > 0 && strchr(" \t\"", name[n - 1]) != NULL) {
+            n--;
+        }
         for (int k = 0; k < 2; k++) {
-            if (n == strlen(names[k]) && strncmp(at, names[k], n) == 0) {
+            if (n == strlen(names[k]) && strncmp(name, names[k], n) == 0) {
                 place[k] = column;
                 found[k] = true;
             }
         }
-        at += n;
         at += *at == ',' ? 1 : strlen(at);
     }
     return found[0] && found[1];

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The text of a case.yaml before its meaning: a regular file, not large, UTF-8; then YAML's events:
+/* The text of a case.yaml before its meaning: a regular file, not large, UTF-8 (or UTF-16 with a
+ * byte order mark); then YAML's events:
  * one document, no anchors, tags or deep nesting, so that the tree that libyaml builds of it is
  * small. The first thing wrong ends the reading, with its line and column. */
 #include "case_text.h"
-
-#include <string.h>
+#include "text.h"
 
 haft_mark haft_case_mark_of(yaml_mark_t mark) {
     return (haft_mark){mark.line + 1, mark.column + 1};
@@ -36,10 +36,8 @@ static haft_status check_characters(const haft_case_text *text, const char *file
 /* ---- YAML ---- */
 
 void haft_case_start_parser(yaml_parser_t *parser, const haft_case_text *text) {
-    size_t skip = text->size >= 3 && memcmp(text->bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     yaml_parser_set_encoding(parser, YAML_UTF8_ENCODING);
-    yaml_parser_set_input_string(parser, (const unsigned char *)text->bytes + skip,
-                                 text->size - skip);
+    yaml_parser_set_input_string(parser, (const unsigned char *)text->bytes, text->size);
 }
 
 haft_status haft_case_parser_failed(const yaml_parser_t *parser, const char *file,
@@ -119,6 +117,9 @@ static haft_status check_events(const haft_case_text *text, const char *file, ha
 
 haft_status haft_case_load(haft_case_text *out, const char *path, haft_error *error) {
     haft_status status = haft_file_read(&out->bytes, &out->size, path, HAFT_CASE_SIZE_LIMIT, error);
+    if (status == HAFT_OK) {
+        status = haft_text_decode(&out->bytes, &out->size, path, error);
+    }
     if (status == HAFT_OK) {
         status = check_characters(out, path, error);
     }

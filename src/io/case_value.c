@@ -268,6 +268,20 @@ static bool store_file(haft_case_reader *reader, const haft_key *key, size_t ent
     return true;
 }
 
+/* A text without the blanks about it, of which quotes and no-break spaces leave some. */
+static void trim(char trimmed[QUANTITY_CAPACITY + 1], const char *text, size_t *length) {
+    size_t used = 0, last = 0, blank;
+    for (size_t n = 0; n<*length; n += blank> 0 ? blank : 1) {
+        blank = haft_text_blank(text + n);
+        for (size_t k = 0; k < (blank > 0 ? blank : 1) && (used > 0 || blank == 0); k++) {
+            trimmed[used++] = text[n + k];
+        }
+        last = blank > 0 ? last : used;
+    }
+    trimmed[last] = '\0';
+    *length = last;
+}
+
 double haft_case_number(const haft_case *c, const haft_key *key) {
     const char *field = (const char *)c + key->offset;
     double real;
@@ -298,6 +312,13 @@ bool haft_case_store(haft_case_reader *reader, int index, size_t entry, const ch
     if (memchr(text, 0, length) != NULL) {
         haft_case_complain(reader, mark, key->path, "holds a NUL character; take it out");
         return false;
+    }
+    char trimmed[QUANTITY_CAPACITY + 1];
+    bool plain =
+        key->type != HAFT_KEY_TEXT && key->type != HAFT_KEY_NAME && key->type != HAFT_KEY_FILES;
+    if (plain && length <= QUANTITY_CAPACITY) {
+        trim(trimmed, text, &length);
+        text = trimmed;
     }
     if (length == 0 && key->type != HAFT_KEY_TEXT && key->type != HAFT_KEY_NAME) {
         haft_case_complain(reader, mark, key->path, "has no value; give it as in \"%s: %s\"",

@@ -3,6 +3,7 @@
  * read whole; whatever it says of its own layout is checked against its size before a pixel is
  * touched. */
 #include "map_file.h"
+#include "text.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -179,6 +180,9 @@ static bool is_hdf(const haft_map_file *file) {
 }
 
 static bool is_text(const haft_map_file *file) {
+    if (haft_text_is_marked(file->bytes, file->size)) {
+        return true;
+    }
     for (size_t i = 0; i < file->size; i++) {
         unsigned char c = (unsigned char)file->bytes[i];
         if (c < 32 && strchr("\t\n\r\f", c) == NULL) {

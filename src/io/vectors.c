@@ -45,8 +45,8 @@ static size_t split(char *line, char *field[FIELDS_LIMIT]) {
 
 /* "e [mJ/m2]" into its name and its unit; false where it is neither a name nor both. */
 static bool name_and_unit(const char *field, char name[NAME_CAPACITY], char unit[NAME_CAPACITY]) {
-    field += strspn(field, " \t");
-    size_t n = strcspn(field, "[] \t");
+    field += strspn(field, " \t\"");
+    size_t n = strcspn(field, "[] \t\"");
     const char *rest = field + n + strspn(field + n, " \t");
     size_t m = *rest == '[' ? strcspn(rest + 1, "[]") : 0;
     if (n == 0 || n >= NAME_CAPACITY || m >= NAME_CAPACITY) {
@@ -58,7 +58,7 @@ static bool name_and_unit(const char *field, char name[NAME_CAPACITY], char unit
     unit[m] = '\0';
     const char *end = *rest == '[' ? rest + 1 + m : rest;
     end += *rest == '[' && *end == ']';
-    return end[strspn(end, " \t")] == '\0' && (*rest != '[' || end[-1] == ']');
+    return end[strspn(end, " \t\"")] == '\0' && (*rest != '[' || end[-1] == ']');
 }
 
 static haft_status read_factor(const haft_units *units, const char *path, size_t i,

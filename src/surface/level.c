@@ -100,6 +100,32 @@ static haft_status take_off(haft_map *map, const double *x, size_t first, size_t
     return HAFT_OK;
 }
 
+/* Takes each line's own mean and slope off. A line of one pixel has no slope, and its height cannot
+ * be compared with others': the pixel becomes a missing one. */
+static haft_status level_lines(haft_map *map, const double *x, haft_error *error) {
+    haft_status status = HAFT_OK;
+    size_t levelled = 0;
+    for (size_t i = 0; status == HAFT_OK && i < map->rows; i++) {
+        double *z = map->z + i * map->columns;
+        size_t there = 0;
+        for (size_t j = 0; j < map->columns; j++) {
+            there += !isnan(z[j]);
+        }
+        if (there >= 2) {
+            status = take_off(map, x, i, i + 1, 2, error);
+            levelled++;
+        }
+        for (size_t j = 0; there == 1 && j < map->columns; j++) {
+            z[j] = NAN;
+        }
+    }
+    return status == HAFT_OK && levelled == 0
+               ? haft_error_set(error, HAFT_ERROR_INPUT,
+                                "no line of the map has two pixels, so none can be levelled by "
+                                "itself; level it by less")
+               : status;
+}
+
 haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) {
     static const size_t terms[] = {1, 3, 6, 3};
     double *x = haft_memory_alloc(map->columns, sizeof *x, error);
@@ -110,8 +136,8 @@ haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) {
         x[j] = coordinate(j, map->columns);
     }
     haft_status status = take_off(map, x, 0, map->rows, terms[level], error);
-    for (size_t i = 0; level == HAFT_LEVEL_LINES && status == HAFT_OK && i < map->rows; i++) {
-        status = take_off(map, x, i, i + 1, 2, error);
+    if (level == HAFT_LEVEL_LINES && status == HAFT_OK) {
+        status = level_lines(map, x, error);
     }
     haft_memory_free(x);
     return status;
@@ -127,6 +153,35 @@ static double median_of(double *value, size_t n) {
     return n % 2 == 1 ? value[n / 2] : 0.5 * (value[n / 2 - 1] + value[n / 2]);
 }
 
+/* The step that heights are rounded to, 0 where none shows. From pixel to pixel along a line, such
+ * heights change by a whole multiple of it, and by what levelling took off, which is nearly the
+ * same all along the line. So the changes, less their median, vanish or are a step at least. `work`
+ * is overwritten. */
+static double find_step(const haft_map *map, double *work) {
+    static const double JUMP = 1e4, SHARE = 0.01; /* from rounding to a step; what must vanish */
+    size_t n = 0;
+    for (size_t i = 0; i < map->rows; i++) {
+        const double *z = map->z + i * map->columns;
+        size_t first = n;
+        for (size_t j = 0; j + 1 < map->columns; j++) {
+            work[n] = z[j + 1] - z[j];
+            n += !isnan(work[n]);
+        }
+        double median = n > first ? median_of(work + first, n - first) : 0;
+        for (size_t k = first; k < n; k++) {
+            work[k] = fabs(work[k] - median);
+        }
+    }
+    qsort(work, n, sizeof *work, compare);
+    double floor = n > 0 ? 1e-13 * work[n - 1] : 0;
+    for (size_t k = (size_t)(SHARE * (double)n) + 1; k < n; k++) {
+        if (work[k] > JUMP * fmax(work[k - 1], floor)) {
+            return work[k];
+        }
+    }
+    return 0;
+}
+
 haft_status haft_map_mask(haft_map *map, double limit, size_t *masked, haft_error *error) {
     size_t all = map->rows * map->columns, n = 0;
     *masked = 0;
@@ -134,6 +189,7 @@ haft_status haft_map_mask(haft_map *map, double limit, size_t *masked, haft_erro
     if (value == NULL) {
         return HAFT_ERROR_MEMORY;
     }
+    double step = find_step(map, value);
     for (size_t i = 0; i < all; i++) {
         value[n] = map->z[i];
         n += !isnan(map->z[i]);
@@ -148,6 +204,14 @@ haft_status haft_map_mask(haft_map *map, double limit, size_t *masked, haft_erro
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "outliers cannot be told: half of the map's pixels or more have the "
                               "same height; leave the outlier limit out");
+    }
+    if (deviation < step) {
+        return haft_error_set(
+            error, HAFT_ERROR_INPUT,
+            "outliers cannot be told: heights are rounded to steps of %.3g nm, and "
+            "most pixels are less than one step off the median; leave the outlier "
+            "limit out, or give a map with finer heights",
+            step * 1e9);
     }
     for (size_t i = 0; i < all; i++) {
         if (fabs(map->z[i] - median) > limit * deviation) {
@@ -284,17 +348,24 @@ haft_status haft_map_fill(haft_map *map, haft_error *error) {
     return status;
 }
 
+static size_t count_missing(const haft_map *map) {
+    size_t n = 0;
+    for (size_t i = 0; i < map->rows * map->columns; i++) {
+        n += isnan(map->z[i]) != 0;
+    }
+    return n;
+}
+
 haft_status haft_map_clean(haft_map *map, const haft_clean_spec *spec, haft_clean_facts *facts,
                            haft_error *error) {
     haft_clean_facts found = {0};
-    for (size_t i = 0; i < map->rows * map->columns; i++) {
-        found.missing += isnan(map->z[i]) != 0;
-    }
     haft_status status = haft_map_level(map, spec->level, error);
+    found.missing = count_missing(map); /* with those that levelling by lines gave up */
     if (status == HAFT_OK && spec->outlier_limit > 0) {
         status = haft_map_mask(map, spec->outlier_limit, &found.masked, error);
         if (status == HAFT_OK) {
             status = haft_map_level(map, spec->level, error);
+            found.masked = count_missing(map) - found.missing;
         }
     }
     if (status == HAFT_OK && spec->missing == HAFT_MISSING_FILL) {

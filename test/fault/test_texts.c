@@ -214,6 +214,16 @@ static void options_are_quantities(void **state) {
         check_says(r.err, option);
         ran_free(&r);
     }
+    static const char *const sizes[] = {"--size=10x5 um", "--size=10 um \xc3\x97 5 um",
+                                        "--size=10umX5um",
+                                        "--size=10\xc2\xa0um x 5 um\xe2\x80\xaf"};
+    write_file(scratch_path(&s, "m.txt", path), "1 2\n3 5\n", 8);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        ran r = run_program(HAFT_LAWS, ARGS("inspect", "-q", "--level=mean", "--unit=nm",
+                                            "--output", s.folder, sizes[i], path));
+        check_says(r.out, "10 x 5 um");
+        ran_free(&r);
+    }
     scratch_remove(&s);
 }
 

@@ -90,6 +90,44 @@ static void particles_are_masked(void **state) {
     haft_map_destroy(&clean);
 }
 
+/* A line without pixels and one of a single pixel change nothing about the others. */
+static void lines_without_pixels_are_left_out(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_map *map = new_map(ROWS, COLUMNS, 1e-9, 1e-9), *other = NULL;
+    fill_noise(map, 1e-9, 2);
+    check_ok(haft_map_copy(&other, map, &error), error);
+    for (size_t j = 0; j < COLUMNS; j++) {
+        other->z[5 * COLUMNS + j] = NAN;
+        other->z[6 * COLUMNS + j] = j == 7 ? 3e-9 : (double)NAN;
+    }
+    check_ok(haft_map_level(map, HAFT_LEVEL_LINES, &error), error);
+    check_ok(haft_map_level(other, HAFT_LEVEL_LINES, &error), error);
+    for (size_t i = 0; i < ROWS * COLUMNS; i++) {
+        if (i / COLUMNS == 5 || i / COLUMNS == 6) {
+            assert_true(isnan(other->z[i]));
+        } else {
+            check_near(other->z[i], map->z[i], 1e-21);
+        }
+    }
+    haft_map_destroy(&map);
+    haft_map_destroy(&other);
+}
+
+/* Heights of three values, most of them one: their spread about the median is rounding alone. */
+static void outliers_of_rounded_heights_cannot_be_told(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_map *map = new_map(ROWS, COLUMNS, 1e-9, 1e-9);
+    for (size_t i = 0; i < ROWS * COLUMNS; i++) {
+        map->z[i] = i % 97 == 0 ? 5e-9 : i % 89 == 0 ? -5e-9 : 0;
+    }
+    haft_clean_spec spec = {.level = HAFT_LEVEL_PLANE, .outlier_limit = 5};
+    assert_int_equal(haft_map_clean(map, &spec, NULL, &error), HAFT_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "outliers cannot be told"));
+    haft_map_destroy(&map);
+}
+
 /* x y is discretely harmonic: holes in it are filled exactly. */
 static void holes_are_filled_harmonically(void **state) {
     (void)state;
@@ -332,6 +370,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levelling_is_a_projection),
         cmocka_unit_test(particles_are_masked),
+        cmocka_unit_test(lines_without_pixels_are_left_out),
+        cmocka_unit_test(outliers_of_rounded_heights_cannot_be_told),
         cmocka_unit_test(holes_are_filled_harmonically),
         cmocka_unit_test(statistics_of_a_wave),
         cmocka_unit_test(correlation_length_of_known_noise),
