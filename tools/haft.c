@@ -167,6 +167,33 @@ static void print_notes(const haft_case_files *files, const haft_map_set *maps) 
     }
 }
 
+/* The form that stands for maps, beside them. */
+static void print_fit(const haft_case *c) {
+    const haft_psd_fit *fit = &c->surface.fit;
+    double own = c->surface.map_rms;
+    if (!c->surface.fitted) {
+        return;
+    }
+    printf(
+        "  fit to the maps      %.3g nm rms, 95 %% interval %.3g to %.3g; the maps have %.3g nm\n",
+        fit->rms[0] * 1e9, fit->rms[1] * 1e9, fit->rms[2] * 1e9, own * 1e9);
+    if (!(own >= fit->rms[1] && own <= fit->rms[2])) {
+        printf(
+            "    warning: the rms of the maps lies outside the interval; see haft-laws inspect\n");
+    }
+    if (fit->p_value < 1e-3) {
+        printf("    warning: the form does not fit (misfit %.3g, p = %.2g); use: table\n",
+               fit->misfit, fit->p_value);
+    }
+    static const char *const names[] = {"s_0", "zeta_0", "the Hurst exponent"};
+    for (int k = 0; k < 3; k++) {
+        if (!fit->determined[k]) {
+            printf("    warning: %s is not determined by the maps; see haft-laws inspect\n",
+                   names[k]);
+        }
+    }
+}
+
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
@@ -175,6 +202,7 @@ static void print_derived(const haft_case *c) {
     print_notes(&c->surface.opposite_maps, &c->surface.opposite);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
            sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
+    print_fit(c);
     printf("  asperities           %.3g a um2, radius %.3g nm, heights %.3g nm (rms)\n",
            gw.density * 1e-12, gw.radius * 1e9, gw.summit_deviation * 1e9);
     haft_physics physics = haft_case_physics(c);

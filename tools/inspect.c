@@ -147,20 +147,80 @@ static void print_moments(const char *label, haft_psd_moments m) {
            gw.summit_deviation * 1e9);
 }
 
+/* Where the map stops telling the surface, and why. */
+static void print_limits(const haft_psd_fit *fit) {
+    printf("    fitted to %zu rings from %.4g to %.4g rad/um\n", fit->rings, fit->from * 1e-6,
+           fit->to * 1e-6);
+    if (isfinite(fit->cut_off)) {
+        printf("    cut-off: the map has no waves beyond %.4g rad/um; left out\n",
+               fit->cut_off * 1e-6);
+    } else {
+        printf("    cut-off: none found\n");
+    }
+    if (isfinite(fit->noise_limit)) {
+        printf("    noise floor: %.4g nm^4, which hides the surface from %.4g rad/um on\n",
+               fit->floor * 1e36, fit->noise_limit * 1e-6);
+    } else {
+        printf("    noise floor: none that reaches the PSD\n");
+    }
+}
+
+static void print_quality(const haft_psd_fit *fit) {
+    printf("    misfit %.3g a degree of freedom, p = %.2g; ", fit->misfit, fit->p_value);
+    if (fit->deviation != 0) {
+        printf("largest deviation %+.0f %% (%+.1f dB) at %.4g rad/um\n", 100 * fit->deviation,
+               10 * log10(1 + fit->deviation), fit->deviation_at * 1e-6);
+    } else {
+        printf("no deviation beyond its error\n");
+    }
+    if (fit->p_value < 1e-3) {
+        printf("    the form does not fit: intervals are widened by the misfit; use the table\n");
+    }
+}
+
+static void print_parameter(const char *name, const char *unit, double value, double low,
+                            double high, double factor, bool determined) {
+    printf("    %-8s %10.4g %-7s ", name, value * factor, unit);
+    if (!determined) {
+        printf("not determined by this map: ");
+    }
+    if (low > 0 && isfinite(high)) {
+        printf("%.4g to %.4g\n", low * factor, high * factor);
+    } else if (isfinite(high)) {
+        printf("at most %.4g\n", high * factor);
+    } else if (low > 0) {
+        printf("at least %.4g\n", low * factor);
+    } else {
+        printf("any\n");
+    }
+}
+
 static void print_fit(const findings *f) {
     if (!f->fitted) {
         terminal_print(stdout, "  no self-affine fit: %s", f->why_not.message);
         return;
     }
     const haft_psd_fit *fit = &f->fit;
-    printf("  self-affine fit (misfit %.3g a degree of freedom), 95 %% intervals\n", fit->misfit);
-    printf("    s_0      %10.4g nm^4     %.4g to %.4g\n", fit->psd.s_0 * 1e36, fit->low[0] * 1e36,
-           fit->high[0] * 1e36);
-    printf("    zeta_0   %10.4g rad/um   %.4g to %.4g\n", fit->psd.zeta_0 * 1e-6,
-           fit->low[1] * 1e-6, fit->high[1] * 1e-6);
-    printf("    Hurst    %10.4g          %.4g to %.4g\n", fit->hurst, fit->low[2], fit->high[2]);
-    printf("    s_1      %10.4g nm^4     at zeta_max %.4g rad/um\n", fit->psd.s_1 * 1e36,
-           fit->psd.zeta_max * 1e-6);
+    const haft_psd *psd = &fit->psd;
+    printf("  self-affine fit, 95 %% intervals\n");
+    print_limits(fit);
+    print_quality(fit);
+    print_parameter("s_0", "nm^4", psd->s_0, fit->low[0], fit->high[0], 1e36, fit->determined[0]);
+    print_parameter("zeta_0", "rad/um", psd->zeta_0, fit->low[1], fit->high[1], 1e-6,
+                    fit->determined[1]);
+    print_parameter("Hurst", "", fit->hurst, fit->low[2], fit->high[2], 1, fit->determined[2]);
+    print_parameter("rms", "nm", fit->rms[0], fit->rms[1], fit->rms[2], 1e9, isfinite(fit->rms[2]));
+    printf("    s_1      %10.4g nm^4     at zeta_max %.4g rad/um\n", psd->s_1 * 1e36,
+           psd->zeta_max * 1e-6);
+    if (!(fit->low[1] > 0)) {
+        printf(
+            "    no roll-off is seen: waves longer than %.3g um are taken as flat, so the rms is\n"
+            "    that of an area as large as the map; measure a larger one\n",
+            2e6 * M_PI / psd->zeta_0);
+    }
+    if (fit->low[2] > 1) {
+        printf("    the Hurst exponent lies above 1: smoother than any self-affine surface\n");
+    }
 }
 
 static void print_findings(const char *path, const findings *f, const wishes *w) {
@@ -191,6 +251,10 @@ static void print_findings(const char *path, const findings *f, const wishes *w)
     print_moments("moments of the radial PSD", f->moments);
     printf("  PSD: %zu rings from %.4g to %.4g rad/um, window %s\n", f->psd->n,
            f->psd->zeta[0] * 1e-6, f->psd->zeta[f->psd->n - 1] * 1e-6, windows[w->window]);
+    if (f->clean.missing + f->clean.masked > 0) {
+        printf("  missing pixels: heights drawn for them from the map's own PSD%s\n",
+               w->clean.missing == HAFT_MISSING_FILL ? "" : ", for the PSD alone");
+    }
     if (isfinite(f->limit)) {
         printf("  a tip of %.3g nm is trusted up to %.4g rad/um; cut there\n", w->tip_radius * 1e9,
                f->limit * 1e-6);
@@ -263,7 +327,8 @@ static haft_status save_psd(const findings *f, const char *folder, haft_error *e
     }
     for (size_t i = 0; i < n; i++) {
         data[i] = f->psd->count[i] > 0 ? 1 / sqrt(f->psd->count[i]) : 0;
-        data[n + i] = f->fitted ? haft_psd_value(&f->fit.psd, f->psd->zeta[i]) : NAN;
+        bool seen = f->fitted && f->psd->zeta[i] <= f->fit.psd.zeta_max;
+        data[n + i] = seen ? haft_psd_value(&f->fit.psd, f->psd->zeta[i]) : NAN;
     }
     char path[PATH_CAPACITY + 16];
     snprintf(path, sizeof path, "%s/psd.csv", folder);
@@ -292,9 +357,10 @@ static haft_status draw_findings(const char *path, const findings *f, const char
     }
     if (status == HAFT_OK) {
         const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
-        char definitions[64];
-        snprintf(definitions, sizeof definitions, "fitted=%d; panels=%d", f->fitted,
-                 f->psd != NULL ? 3 : 2);
+        char definitions[128];
+        snprintf(definitions, sizeof definitions, "fitted=%d; panels=%d; first=%.6g; last=%.6g",
+                 f->fitted, f->psd != NULL ? 3 : 2, f->fitted ? f->fit.from * 1e-6 : 0,
+                 f->fitted ? f->fit.psd.zeta_max * 1e-6 : 0);
         status = draw_script("map", folder, name, definitions, error);
     }
     return status;

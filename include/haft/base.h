@@ -203,6 +203,7 @@ typedef enum haft_random_purpose {
     HAFT_RANDOM_LAW_SAMPLE,       /**< laws drawn from the stochastic model */
     HAFT_RANDOM_MAP_WINDOW,       /**< windows of measured maps */
     HAFT_RANDOM_RESAMPLE,         /**< beams drawn or dealt anew, to learn what chance does */
+    HAFT_RANDOM_MISSING_PIXELS,   /**< heights drawn where a map has none */
 } haft_random_purpose;
 
 /** Key of a counter-based stream: there is no state to carry or save. */

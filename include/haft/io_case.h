@@ -139,6 +139,10 @@ typedef struct haft_case {
         haft_marginal_kind marginal;
         double skewness, kurtosis; /**< NAN if not given */
 
+        bool fitted;      /**< psd is the form fitted to the maps' table */
+        haft_psd_fit fit; /**< where fitted */
+        double map_rms;   /**< where fitted: of the maps' heights, both faces' [m] */
+
         haft_psd_table *table;       /**< the PSD by points, NULL if psd is all there is; owned */
         haft_marginal *distribution; /**< NULL: Gaussian; owned */
         haft_map_set map, opposite;  /**< where maps are given; owned */

@@ -51,8 +51,8 @@ typedef enum haft_level {
 
 /** What becomes of missing pixels. */
 typedef enum haft_missing {
-    HAFT_MISSING_EXCLUDE, /**< they weigh nothing: left out of sums, zero in the window */
-    HAFT_MISSING_FILL,    /**< the harmonic surface through their border, sum of neighbours = 4 z */
+    HAFT_MISSING_EXCLUDE, /**< left out of statistics; a PSD is estimated from a filled copy */
+    HAFT_MISSING_FILL,    /**< heights are drawn for them, see haft_map_fill() */
 } haft_missing;
 
 /** What a map is multiplied by before its transform, along x and along y. */
@@ -76,8 +76,23 @@ haft_status haft_map_level(haft_map *map, haft_level level, haft_error *error) H
 haft_status haft_map_mask(haft_map *map, double limit, size_t *masked,
                           haft_error *error) HAFT_MUST_CHECK;
 
-/** Fills missing pixels by the discrete harmonic surface, to 1e-10 of the range (conjugate
- *  gradients). */
+/** Pixels of a map that are missing. Thread-safe. */
+size_t haft_map_count_missing(const haft_map *map);
+
+/** Share of missing pixels up to which a map is filled: tests hold its PSD to 5 % up to here. */
+#define HAFT_MISSING_MOST 0.3
+
+/** Fills the missing pixels of a levelled map with heights drawn from the Gaussian process of its
+ * own radial PSD, given the heights that are there: pixel by pixel, coarse grid first, the mean and
+ * deviation being those given the nearest 24 that are known or drawn (sequential Gaussian
+ * simulation). The PSD is estimated from the filled map and the drawing repeated until the first
+ * guess is forgotten (stochastic expectation maximisation), so a filled map has the PSD of a whole
+ * one on average. An interpolation instead lacks short waves, and a zero adds some.
+ *  @param[in,out] map filled in place; the same map is always filled alike
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INPUT if more than HAFT_MISSING_MOST of the pixels are missing.
+ *  Not thread-safe (FFTW).
+ *  Source: Deutsch and Journel (1998), V.2; Celeux and Diebolt (1985). */
 haft_status haft_map_fill(haft_map *map, haft_error *error) HAFT_MUST_CHECK;
 
 /** What is done with a map before anything is read from it. */
@@ -130,7 +145,8 @@ haft_status haft_map_get_statistics(haft_map_statistics *out, const haft_map *ma
 /** Two-dimensional estimate S(m, n) = dx dy / (4 pi^2 sum w^2) |DFT(w (z - mean_w))|^2 at wave
  *  vector (2 pi m / (rows step_row), 2 pi n / (columns step_column)), which sums to
  *  sum w^2 (z - mean_w)^2 / sum w^2 times the cell of wave vectors: the variance. mean_w is the
- * mean weighted by w. A missing pixel has w = 0.
+ * mean weighted by w. A missing pixel has w = 0, which spreads power over all wave vectors:
+ * haft_psd_estimate() does better.
  *  @param[out] s rows x columns [m^4], in the order of the transform
  *  @param[in] map cleaned
  *  @param[in] window it is multiplied by
@@ -144,13 +160,15 @@ haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window
  * is the mean of all modes inside, of all maps up to each one's own shorter Nyquist wave number,
  * less what a ring's width adds to it by the PSD's bend. Its count is half the modes (they are real
  * fields' conjugate pairs) over N sum w^4 / (sum w^2)^2, by which the window makes neighbours
- * depend on each other.
+ * depend on each other. A map with missing pixels is filled first (haft_map_fill() on a copy), and
+ * its modes count by the square of the share of sum w^2 that is known.
  *  @param[out] out the PSD; NULL after a failure
  *  @param[in] n how many maps
  *  @param[in] maps [n]
  *  @param[in] window applied to each map
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_INPUT for no maps or a map without variance. Not thread-safe (FFTW). */
+ *  @return HAFT_ERROR_INPUT for no maps, a map without variance, or one that lacks more than
+ *  HAFT_MISSING_MOST of its pixels. Not thread-safe (FFTW). */
 haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *const *maps,
                               haft_window window, haft_error *error) HAFT_MUST_CHECK;
 
@@ -159,10 +177,15 @@ haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *co
 haft_status haft_psd_table_cut(haft_psd_table *table, double zeta_max,
                                haft_error *error) HAFT_MUST_CHECK;
 
+/** Share of the tip's curvature that the waves' rms curvature may reach. Measured on dilated maps
+ * of Hurst exponent 0.8: at 0.05 dilation takes 4 % of the PSD, at 0.1 a tenth, at 0.3 four tenths,
+ * for tips of 50 and 120 nm alike. */
+#define HAFT_TIP_SHARE 0.05
+
 /** The highest wave number a tip of this radius can be trusted with: up to it, waves have a mean
- *  curvature of rms 1/radius, sqrt(2 pi int s (k^2/2)^2 k dk); INFINITY if they never have.
- *  After Sanner, Noehring, Thimons, Jacobs and Pastewka (2022), who compare a scale's curvature
- * with the tip's. */
+ *  curvature of rms HAFT_TIP_SHARE/radius, sqrt(2 pi int s (k^2/2)^2 k dk); INFINITY if they never
+ *  have. After Sanner, Noehring, Thimons, Jacobs and Pastewka (2022), who compare a scale's
+ * sharpest curvature with half of the tip's. */
 double haft_psd_tip_limit(const haft_psd_table *table, double radius);
 
 /** PSD of the gap between two faces, s1 + s2 + 2 coherence sqrt(s1 s2), heights being counted out
@@ -176,21 +199,47 @@ haft_status haft_psd_combine(haft_psd_table **out, const haft_psd_table *first,
                              const haft_psd_table *second, double coherence,
                              haft_error *error) HAFT_MUST_CHECK;
 
-/** A self-affine PSD fitted to a table. */
+/** A self-affine PSD fitted to a table, with a constant floor under it: what a white noise adds. */
 typedef struct haft_psd_fit {
-    haft_psd psd;   /**< of least squares */
-    double hurst;   /**< s ~ zeta^-(2 + 2 H) beyond the roll-off */
-    double low[3];  /**< lower ends of 95 % intervals of s_0 [m^4], zeta_0 [rad/m] and H */
-    double high[3]; /**< and their upper ends */
-    double misfit;  /**< chi^2 a degree of freedom */
+    haft_psd psd;       /**< most likely form, up to the least of the limits below */
+    double hurst;       /**< s ~ zeta^-(2 + 2 H) beyond the roll-off */
+    double low[3];      /**< lower ends of 95 % intervals of s_0 [m^4], zeta_0 [rad/m] and H; 0 or
+                             -INFINITY where the table sets none */
+    double high[3];     /**< and their upper ends; INFINITY where the table sets none */
+    bool determined[3]; /**< interval of s_0 and of zeta_0 within a factor of 10, of H within 1 */
+    double rms[3];      /**< of all heights that the form makes, sqrt(m0), and the ends of its 95 %
+                             interval [m] */
+    size_t rings;       /**< fitted */
+    double from;        /**< wave number of the first of them [rad/m] */
+    double to;          /**< and of the last [rad/m] */
+    double cut_off;     /**< where the table drops out of the form [rad/m]; INFINITY if nowhere */
+    double floor;       /**< [m^4] */
+    double
+        noise_limit;  /**< where the floor equals the form [rad/m]; INFINITY if that is not seen */
+    double misfit;    /**< deviance a degree of freedom, 1 where the form is right */
+    double p_value;   /**< chance of a greater misfit if the form were right */
+    double deviation; /**< s over the form less 1, mean over an eighth of a decade, where that is
+                           largest beyond its error; 0 if nowhere */
+    double deviation_at; /**< and where [rad/m] */
 } haft_psd_fit;
 
-/** Least squares of log s with the weights of the counts: log of a mean of N exponential numbers
- * has variance psi'(N) and bias psi(N) - log N, which is taken off. For a roll-off the best line is
- * a closed form, so one number is searched for: on a grid, then by golden section. Intervals by
- *  Student's t from the normal equations, widened by the misfit where that exceeds 1.
- *  @return HAFT_ERROR_INPUT for fewer than 6 points, or HAFT_ERROR_NUMERIC if no roll-off is inside
- *  the table or the PSD rises. */
+/** Fits the self-affine form plus a floor to what a table knows, by maximum likelihood: a ring's s
+ *  is Gamma distributed with the shape of its count (1 where there is none), so the best form has
+ *  the least deviance, sum 2 N (s/m - 1 - log(s/m)). Used are points from twice the first wave
+ *  number on (levelling and window change those below; a table without counts is used whole), up to
+ *  the cut-off. A cut-off is looked for where the form fits worse than by chance (1 in 1000): the
+ *  highest wave number below which it fits and beyond which the table holds less than half of what
+ *  form and floor say; its place is where a sharp edge would leave as much power. Intervals are
+ *  those of the profile likelihood over the roll-off, with Student's t, widened by the misfit where
+ *  that exceeds 1.
+ *  @param[out] out the fit
+ *  @param[in] table at least 6 points in the range used
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INPUT for too few points; HAFT_ERROR_NUMERIC if the PSD does not fall, or
+ *  falls as slowly as zeta^-2 (H = 0), if the floor hides all of it, or if the form's variance of
+ *  heights or slopes over the rings used is off the table's by more than a quarter beyond three
+ *  standard errors; HAFT_ERROR_MEMORY. Thread-safe.
+ *  Source: Jacobs, Junge and Pastewka (2017) for the limits of a measured PSD. */
 haft_status haft_psd_fit_self_affine(haft_psd_fit *out, const haft_psd_table *table,
                                      haft_error *error) HAFT_MUST_CHECK;
 

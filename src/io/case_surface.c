@@ -130,24 +130,64 @@ static haft_status load_maps(haft_case *c, haft_error *error) {
     return status;
 }
 
+/* Variance of the heights of all maps of a face, each about its mean. */
+static double face_variance(const haft_map_set *set) {
+    double sum = 0, count = 0;
+    for (size_t k = 0; k < set->count; k++) {
+        const haft_map *map = set->map[k];
+        double mean = 0, n = 0;
+        for (size_t i = 0; i < map->rows * map->columns; i++) {
+            mean += isnan(map->z[i]) ? 0 : map->z[i];
+            n += !isnan(map->z[i]);
+        }
+        mean /= n;
+        for (size_t i = 0; i < map->rows * map->columns; i++) {
+            sum += isnan(map->z[i]) ? 0 : (map->z[i] - mean) * (map->z[i] - mean);
+        }
+        count += n;
+    }
+    return count > 0 ? sum / count : 0;
+}
+
+/* sigma^2 of s1 + s2 + 2 coherence sqrt(s1 s2), as if the PSDs were alike but for a factor. */
+static double measured_rms(const haft_case *c) {
+    double first = face_variance(&c->surface.map), second = face_variance(&c->surface.opposite);
+    return sqrt(fmax(0, first + second + 2 * c->surface.coherence * sqrt(first * second)));
+}
+
+/* The form fitted to all that the maps tell, up to the case's own cut: that of a resolved case is
+ * the limit found, and must give the same form. */
+static haft_status settle_fit(haft_case *c, haft_error *error) {
+    double cut = c->surface.psd.zeta_max;
+    haft_status status = haft_psd_fit_self_affine(&c->surface.fit, c->surface.table, error);
+    if (status != HAFT_OK) {
+        return status;
+    }
+    haft_psd *psd = &c->surface.psd;
+    c->surface.fitted = true;
+    c->surface.map_rms = measured_rms(c);
+    haft_psd_table_destroy(&c->surface.table);
+    *psd = c->surface.fit.psd;
+    if (cut > 0 && cut < psd->zeta_max) {
+        psd->s_1 = haft_psd_value(psd, cut);
+        psd->zeta_max = cut;
+    }
+    return haft_psd_check(psd, error);
+}
+
 /* Cuts the table, and takes its corners or its fit. */
 static haft_status settle_psd(haft_case *c, haft_error *error) {
     double cut = c->surface.psd.zeta_max;
     haft_psd_table *t = c->surface.table;
+    if (c->surface.maps.count > 0 && c->surface.use == HAFT_PSD_FIT) {
+        return settle_fit(c, error);
+    }
     haft_status status = cut > 0 ? haft_psd_table_cut(t, cut, error) : HAFT_OK;
     if (status == HAFT_OK) {
         c->surface.psd = (haft_psd){.zeta_max = t->zeta[t->n - 1],
                                     .zeta_0 = t->zeta[0],
                                     .s_0 = t->s[0],
                                     .s_1 = t->s[t->n - 1]};
-    }
-    if (status == HAFT_OK && c->surface.maps.count > 0 && c->surface.use == HAFT_PSD_FIT) {
-        haft_psd_fit fit;
-        status = haft_psd_fit_self_affine(&fit, t, error);
-        if (status == HAFT_OK) {
-            c->surface.psd = fit.psd;
-            haft_psd_table_destroy(&c->surface.table);
-        }
     }
     return status;
 }

@@ -208,6 +208,11 @@ static bool is_npy(const haft_map_file *file) {
     return begins(file, "\223NUMPY");
 }
 
+/* Its binary files begin alike. */
+static bool is_wsxm_text(const haft_map_file *file) {
+    return begins(file, "WSxM file") && is_text(file);
+}
+
 static bool is_any(const haft_map_file *file) {
     (void)file;
     return true;
@@ -224,6 +229,7 @@ static const struct kind {
     {is_gwy, haft_map_read_gwy},
     {is_npy, haft_map_read_npy},
     {is_hdf, haft_map_read_hdf},
+    {is_wsxm_text, haft_map_read_text},
     {haft_map_is_known, haft_map_refuse_known},
     {is_text, haft_map_read_text},
     {is_any, haft_map_refuse_unknown},

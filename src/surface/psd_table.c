@@ -131,7 +131,8 @@ haft_status haft_psd_table_cut(haft_psd_table *table, double zeta_max, haft_erro
 }
 
 double haft_psd_tip_limit(const haft_psd_table *table, double radius) {
-    double wanted = 2 / (M_PI * radius * radius); /* of int s k^5 dk */
+    double curvature = HAFT_TIP_SHARE / radius;
+    double wanted = 2 / M_PI * curvature * curvature; /* of int s k^5 dk */
     double sum = table->s[0] * pow(table->zeta[0], 6) / 6;
     if (sum >= wanted) {
         return table->zeta[0] * pow(wanted / sum, 1.0 / 6);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From maps to spectra: windowed periodogram, normalised so that it sums to the windowed variance,
- * and its mean over rings. A window widens every line over a few modes; a trend left in, whose
- * lines fall off as slowly as 1/k^2 along the axes, is not mended by it but by levelling. */
-#include "haft/surface_map.h"
+ * and its mean over rings. Holes are filled first by heights drawn from the map's own spectrum:
+ * left out, they would spread the long waves' power over all wave numbers. A window widens every
+ * line over a few modes; a trend left in, whose lines fall off as slowly as 1/k^2 along the axes,
+ * is not mended by it but by levelling. */
+#include "spectrum.h"
 
 #include <fftw3.h>
 #include <math.h>
@@ -125,18 +127,11 @@ haft_status haft_map_spectrum(double *s, const haft_map *map, haft_window window
 
 /* ---- rings ---- */
 
-typedef struct rings {
-    size_t n;
-    double *edge;              /* n + 1 */
-    double *weight, *zeta, *s; /* sums over modes, of 1, zeta and s */
-} rings;
-
-static void destroy_rings(rings *r) {
+void haft_rings_destroy(haft_rings *r) {
     haft_memory_free(r->edge);
 }
 
-/* Rings from half the coarsest mode to the highest Nyquist wave number. */
-static haft_status create_rings(rings *r, double width, double most, haft_error *error) {
+haft_status haft_rings_create(haft_rings *r, double width, double most, haft_error *error) {
     double constant = width / (RING_RATIO - 1); /* from here on rings widen */
     size_t room =
         (size_t)(fmin(most, constant) / width) + (size_t)(40 * log10(fmax(1, most / width))) + 8;
@@ -144,10 +139,10 @@ static haft_status create_rings(rings *r, double width, double most, haft_error 
     if (data == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    *r = (rings){.edge = data,
-                 .weight = data + (room + 1),
-                 .zeta = data + 2 * (room + 1),
-                 .s = data + 3 * (room + 1)};
+    *r = (haft_rings){.edge = data,
+                      .weight = data + (room + 1),
+                      .zeta = data + 2 * (room + 1),
+                      .s = data + 3 * (room + 1)};
     r->edge[0] = 0.5 * width;
     while (r->edge[r->n] < most && r->n < room) {
         double here = r->edge[r->n];
@@ -157,7 +152,7 @@ static haft_status create_rings(rings *r, double width, double most, haft_error 
 }
 
 /* Into the mode's ring, looked for from *ring on, where the one before it on its line went. */
-static void enter_mode(rings *r, size_t *ring, double zeta, double s, double independent) {
+static void enter_mode(haft_rings *r, size_t *ring, double zeta, double s, double independent) {
     if (zeta < r->edge[0] || zeta >= r->edge[r->n]) {
         return;
     }
@@ -169,7 +164,8 @@ static void enter_mode(rings *r, size_t *ring, double zeta, double s, double ind
     r->s[*ring] += independent * s;
 }
 
-static haft_status enter_map(rings *r, const haft_map *map, haft_window window, haft_error *error) {
+haft_status haft_rings_enter(haft_rings *r, const haft_map *map, haft_window window, double most,
+                             double known, haft_error *error) {
     double *s = NULL;
     weights sums;
     haft_status status = half_spectrum(&s, &sums, map, window, error);
@@ -179,7 +175,6 @@ static haft_status enter_map(rings *r, const haft_map *map, haft_window window, 
     size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
     double across = 2 * M_PI / ((double)rows * map->step_row);
     double along = 2 * M_PI / ((double)columns * map->step_column);
-    double most = M_PI / fmax(map->step_row, map->step_column) * (1 + 1e-12);
     for (size_t i = 0; i < rows; i++) {
         double ky = across * (double)(i <= rows / 2 ? i : rows - i);
         size_t ring = 0;
@@ -187,7 +182,8 @@ static haft_status enter_map(rings *r, const haft_map *map, haft_window window, 
             double kx = along * (double)j, zeta = sqrt(kx * kx + ky * ky);
             bool twice = j > 0 && 2 * j < columns; /* its conjugate is not among the half */
             if (zeta > 0 && zeta <= most) {
-                enter_mode(r, &ring, zeta, s[i * half + j], (twice ? 1 : 0.5) / sums.dependence);
+                enter_mode(r, &ring, zeta, s[i * half + j],
+                           (twice ? 1 : 0.5) * known / sums.dependence);
             }
         }
     }
@@ -195,7 +191,7 @@ static haft_status enter_map(rings *r, const haft_map *map, haft_window window, 
     return HAFT_OK;
 }
 
-static haft_status rings_to_table(haft_psd_table **out, const rings *r, haft_error *error) {
+haft_status haft_rings_to_table(haft_psd_table **out, const haft_rings *r, haft_error *error) {
     size_t n = 0;
     for (size_t k = 0; k < r->n; k++) {
         n += r->s[k] > 0;
@@ -217,6 +213,37 @@ static haft_status rings_to_table(haft_psd_table **out, const rings *r, haft_err
     return status;
 }
 
+/* Modes up to the map's own shorter Nyquist wave number. */
+static double band_of(const haft_map *map) {
+    return M_PI / fmax(map->step_row, map->step_column) * (1 + 1e-12);
+}
+
+/* A map with holes is filled first; what is drawn there tells nothing, so that its modes count by
+ * the square of the share of the window's weight that is known. */
+static haft_status enter_filled(haft_rings *r, const haft_map *map, haft_window window,
+                                haft_error *error) {
+    haft_map *filled = NULL;
+    double known = 0, all = 0;
+    for (size_t i = 0; i < map->rows; i++) {
+        double across = window_value(window, i, map->rows);
+        for (size_t j = 0; j < map->columns; j++) {
+            double w = across * window_value(window, j, map->columns);
+            all += w * w;
+            known += isnan(map->z[i * map->columns + j]) ? 0 : w * w;
+        }
+    }
+    haft_status status = haft_map_copy(&filled, map, error);
+    if (status == HAFT_OK) {
+        status = haft_map_fill(filled, error);
+    }
+    if (status == HAFT_OK) {
+        double share = known / all;
+        status = haft_rings_enter(r, filled, window, band_of(map), share * share, error);
+    }
+    haft_map_destroy(&filled);
+    return status;
+}
+
 haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *const *maps,
                               haft_window window, haft_error *error) {
     *out = NULL;
@@ -231,17 +258,19 @@ haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *co
     if (n == 0) {
         return haft_error_set(error, HAFT_ERROR_INPUT, "a spectrum needs a map");
     }
-    rings r = {.n = 0};
-    haft_status status = create_rings(&r, width, most, error);
+    haft_rings r = {.n = 0};
+    haft_status status = haft_rings_create(&r, width, most, error);
     for (size_t k = 0; k < n && status == HAFT_OK; k++) {
-        status = enter_map(&r, maps[k], window, error);
+        status = haft_map_count_missing(maps[k]) > 0
+                     ? enter_filled(&r, maps[k], window, error)
+                     : haft_rings_enter(&r, maps[k], window, band_of(maps[k]), 1, error);
         if (status != HAFT_OK && n > 1) {
             haft_error_prefix(error, "map %zu: ", k);
         }
     }
     if (status == HAFT_OK) {
-        status = rings_to_table(out, &r, error);
+        status = haft_rings_to_table(out, &r, error);
     }
-    destroy_rings(&r);
+    haft_rings_destroy(&r);
     return status;
 }

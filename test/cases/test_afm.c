@@ -4,6 +4,7 @@
  * map's own windows against generated twins, by Kolmogorov and Smirnov. HAFT_WRITE_MAP=FILE writes
  * the map anew. */
 #include "map_files.h"
+#include "program.h"
 
 #include "haft/study.h"
 
@@ -83,6 +84,42 @@ static void the_shipped_map_is_the_generators(void **state) {
     haft_map_destroy(&made);
     haft_map_destroy(&read);
     close_maker(&m);
+}
+
+/* The fit of that map finds what it was made with, not the rings beyond its cut-off; and a case
+ * that uses the fit holds the rms of both. */
+static void the_fit_of_the_shipped_map(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_case *c = NULL;
+    scratch s = scratch_create();
+    char path[400], maps[400];
+    char *text = read_whole_file(HAFT_SOURCE_DIR "/cases/afm-demo/case.yaml", NULL);
+    snprintf(maps, sizeof maps, "maps: ['%s']\n  use: fit", MAP);
+    char *with = replaced(text, "maps: [surface.gsf]", maps);
+    write_file(scratch_path(&s, "case.yaml", path), with, strlen(with));
+    check_ok(haft_case_read(&c, path, &error), error);
+    assert_true(c->surface.fitted && c->surface.table == NULL);
+    const haft_psd_fit *fit = &c->surface.fit;
+    const double truth[3] = {PSD.s_0, PSD.zeta_0,
+                             0.5 * log(PSD.s_0 / PSD.s_1) / log(PSD.zeta_max / PSD.zeta_0) - 1};
+    for (int k = 0; k < 3; k++) {
+        assert_true(fit->determined[k]);
+        assert_true(fit->low[k] <= truth[k] && truth[k] <= fit->high[k]);
+    }
+    check_relative(fit->cut_off, PSD.zeta_max, 0.02);
+    check_less(0.01, fit->p_value);
+    check_near(c->surface.map_rms * 1e9, 3.53, 0.01);
+    assert_true(fit->rms[1] <= c->surface.map_rms && c->surface.map_rms <= fit->rms[2]);
+    check_relative(sqrt(haft_case_moments(c).m0), fit->rms[0], 1e-12);
+    haft_case_destroy(&c);
+    ran r = run_expect(0, HAFT, ARGS("check", s.folder));
+    check_says(r.out, "the maps have 3.53 nm");
+    check_silent_about(r.out, "warning");
+    ran_free(&r);
+    free(with);
+    free(text);
+    scratch_remove(&s);
 }
 
 /* ---- cases ---- */
@@ -357,6 +394,7 @@ static void films_lengthen_the_range(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_shipped_map_is_the_generators),
+        cmocka_unit_test(the_fit_of_the_shipped_map),
         cmocka_unit_test(cases_resolve_and_are_digested),
         cmocka_unit_test(a_psd_by_points),
         cmocka_unit_test(films_lengthen_the_range),

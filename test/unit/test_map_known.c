@@ -37,7 +37,7 @@ static void beginnings(void **state) {
         {TEXT("[DataSet]\r\nVersion=2\r\n"), "Nanosurf", "haft-import FILE"},
         {TEXT("\1\0Directory\0\0"), "Wyko", "haft-import FILE"},
         {TEXT("VCA DATA\1\0\0\x55"), "Dektak", "haft-import FILE"},
-        {TEXT("WSxM file copyright UAM\r\nSxM Image file\r\n"), "WSxM", "haft-import FILE"},
+        {TEXT("WSxM file copyright UAM\r\nSxM Image file\r\n\0\1"), "WSxM", "haft-import FILE"},
         {TEXT("UK SOFT\r\n\0"), "Molecular Imaging", "haft-import FILE"},
         {TEXT("\x88\x1b\x03\x6f\0\0"), "MetroPro", "haft-import FILE"},
         {TEXT("\x88\x1b\x03\x70\0\0"), "MetroPro", "haft-import FILE"},

@@ -128,30 +128,50 @@ static void outliers_of_rounded_heights_cannot_be_told(void **state) {
     haft_map_destroy(&map);
 }
 
-/* x y is discretely harmonic: holes in it are filled exactly. */
-static void holes_are_filled_harmonically(void **state) {
+/* Holes in a smooth surface are filled by what it must be; a map is always filled alike; what
+ * cannot be filled is refused, and a map without holes left alone. */
+static void holes_are_filled(void **state) {
     (void)state;
+    enum { SIDE = 64 };
     haft_error error = {0};
-    haft_map *map = new_map(40, 50, 1e-9, 1e-9);
-    for (size_t i = 0; i < 40; i++) {
-        for (size_t j = 0; j < 50; j++) {
-            bool hole =
-                (i > 5 && i < 20 && j > 10 && j < 40 && (i + j) % 9 != 0) || (i == 30 && j == 3);
-            map->z[i * 50 + j] = hole ? NAN : 1e-9 * ((double)i * (double)j - 3 * (double)j);
+    haft_map *map = new_map(SIDE, SIDE, 1e-9, 1e-9), *whole = NULL, *again = NULL;
+    for (size_t i = 0; i < SIDE; i++) {
+        for (size_t j = 0; j < SIDE; j++) {
+            map->z[i * SIDE + j] = 1e-9 * sin(0.2 * (double)i) * cos(0.15 * (double)j) + 5e-9;
         }
     }
+    check_ok(haft_map_copy(&whole, map, &error), error);
     check_ok(haft_map_fill(map, &error), error);
-    for (size_t i = 0; i < 40; i++) {
-        for (size_t j = 0; j < 50; j++) {
-            check_near(map->z[i * 50 + j], 1e-9 * ((double)i * (double)j - 3 * (double)j), 1e-16);
-        }
+    assert_memory_equal(map->z, whole->z, sizeof(double) * SIDE * SIDE);
+    for (size_t k = 0; k < SIDE * SIDE; k += 23) {
+        map->z[k] = NAN;
     }
-    for (size_t i = 0; i < 2000; i++) {
-        map->z[i] = NAN;
+    assert_int_equal(haft_map_count_missing(map), 179);
+    check_ok(haft_map_copy(&again, map, &error), error);
+    check_ok(haft_map_fill(map, &error), error);
+    check_ok(haft_map_fill(again, &error), error);
+    assert_int_equal(haft_map_count_missing(map), 0);
+    assert_memory_equal(map->z, again->z, sizeof(double) * SIDE * SIDE);
+    for (size_t k = 0; k < SIDE * SIDE; k++) {
+        check_near(map->z[k], whole->z[k], 1e-11); /* a hundredth of the amplitude */
+    }
+    for (size_t k = 0; k < 1300; k++) {
+        map->z[k] = NAN;
     }
     assert_int_equal(haft_map_fill(map, &error), HAFT_ERROR_INPUT);
-    assert_int_equal(haft_map_level(map, HAFT_LEVEL_PLANE, &error), HAFT_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "up to 30 % can be filled"));
+    haft_psd_table *table = NULL;
+    const haft_map *const maps[] = {map};
+    assert_int_equal(haft_psd_estimate(&table, 1, maps, HAFT_WINDOW_HANN, &error),
+                     HAFT_ERROR_INPUT);
+    for (size_t k = 0; k < SIDE * SIDE; k++) { /* no variance to draw from */
+        map->z[k] = k == 70 ? NAN : 3e-9;
+    }
+    check_ok(haft_map_fill(map, &error), error);
+    check_near(map->z[70], 3e-9, 1e-20);
     haft_map_destroy(&map);
+    haft_map_destroy(&whole);
+    haft_map_destroy(&again);
 }
 
 /* Whole periods of a wave: everything about it is known, differences included. */
@@ -250,14 +270,15 @@ static void table_moments_are_integrals(void **state) {
         }
         check_relative(moments[k], factors[k] * sum, 1e-12);
     }
-    /* The tip's limit: the curvature up to it is the tip's. */
-    double radius = sqrt(3 / m.m4), limit = haft_psd_tip_limit(table, radius);
+    /* The tip's limit: the curvature up to it is its share of the tip's. */
+    double radius = HAFT_TIP_SHARE * sqrt(3 / m.m4), limit = haft_psd_tip_limit(table, radius);
     haft_error error = {0};
     assert_true(limit > zeta[0] && limit < zeta[4]);
     assert_true(isinf(haft_psd_tip_limit(table, 1e-12)));
     check_ok(haft_psd_table_cut(table, limit, &error), error);
     check_relative(table->zeta[table->n - 1], limit, 1e-15);
-    check_relative(2 * haft_psd_table_get_moments(table).m4 / 3, 1 / (radius * radius), 1e-11);
+    check_relative(2 * haft_psd_table_get_moments(table).m4 / 3, pow(HAFT_TIP_SHARE / radius, 2),
+                   1e-11);
     assert_int_equal(haft_psd_table_cut(table, 1e5, &error), HAFT_ERROR_INPUT);
     gsl_integration_workspace_free(work);
     haft_psd_table_destroy(&table);
@@ -345,6 +366,80 @@ static void fits_find_what_was_put_in(void **state) {
     haft_psd_table_destroy(&table);
 }
 
+/* A table of the law, with an edge, a floor, or a bump on it. */
+static haft_psd_table *shaped_table(double edge, double floor, double bump) {
+    enum { N = 60 };
+    haft_psd psd = {300e6, 20e6, 6e-33, 6e-33 * pow(15, -3.6)};
+    double zeta[N], s[N];
+    for (int i = 0; i < N; i++) {
+        zeta[i] = 3e6 * pow(100, (double)i / (N - 1));
+        s[i] = haft_psd_value(&psd, fmin(zeta[i], 300e6)) * (zeta[i] > edge ? 1e-5 : 1) + floor;
+        s[i] *= i > 40 && i < 50 ? 1 + bump : 1;
+    }
+    haft_psd_table *table = new_table(N, zeta, s);
+    for (int i = 0; i < N; i++) {
+        table->count[i] = 2 + 5e-14 * zeta[i] * zeta[i];
+    }
+    return table;
+}
+
+/* The limits are found, the form comes back from inside them, and what does not fit is told. */
+static void fits_know_their_limits(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_psd_fit fit;
+    haft_psd_table *table = shaped_table(150e6, 0, 0);
+    check_ok(haft_psd_fit_self_affine(&fit, table, &error), error);
+    check_relative(fit.cut_off, 150e6, 0.05);
+    check_relative(fit.psd.zeta_max, fit.cut_off, 0);
+    check_relative(fit.psd.zeta_0, 20e6, 0.01);
+    check_near(fit.hurst, 0.8, 0.01);
+    assert_true(isinf(fit.noise_limit) && fit.p_value > 0.9);
+    haft_psd_table_destroy(&table);
+    table = shaped_table(INFINITY, 6e-36, 0);
+    check_ok(haft_psd_fit_self_affine(&fit, table, &error), error);
+    check_relative(fit.floor, 6e-36, 0.02);
+    check_relative(fit.noise_limit, 20e6 * pow(1000, 1 / 3.6), 0.02);
+    check_relative(fit.psd.zeta_max, fit.noise_limit, 0);
+    check_near(fit.hurst, 0.8, 0.02);
+    assert_true(isinf(fit.cut_off));
+    haft_psd_table_destroy(&table);
+    table = shaped_table(INFINITY, 0, 0.5);
+    check_ok(haft_psd_fit_self_affine(&fit, table, &error), error);
+    check_less(fit.p_value, 1e-3);
+    check_less(0.1, fit.deviation);
+    assert_true(fit.deviation_at > 60e6 && fit.deviation_at < 150e6);
+    haft_psd_table_destroy(&table);
+    table = shaped_table(INFINITY, 0, 0); /* a few long waves have most of the heights */
+    for (size_t i = 0; i < table->n; i++) {
+        table->s[i] *= table->zeta[i] > 7e6 && table->zeta[i] < 9e6 ? 300 : 1;
+    }
+    assert_int_equal(haft_psd_fit_self_affine(&fit, table, &error), HAFT_ERROR_NUMERIC);
+    assert_non_null(strstr(error.message, "times the rms height of the map"));
+    haft_psd_table_destroy(&table);
+}
+
+/* Without a plateau there is no roll-off, and no rms; with a slow fall no Hurst exponent. */
+static void what_is_not_seen_is_not_determined(void **state) {
+    (void)state;
+    haft_error error = {0};
+    haft_psd_fit fit;
+    haft_psd_table *table = shaped_table(INFINITY, 0, 0);
+    for (size_t i = 0; i < table->n; i++) {
+        table->s[i] = 1e-33 * pow(table->zeta[i] / 1e7, -3.4);
+    }
+    check_ok(haft_psd_fit_self_affine(&fit, table, &error), error);
+    assert_true(fit.low[1] == 0 && isinf(fit.high[0]) && isinf(fit.rms[2]));
+    assert_true(!fit.determined[0] && !fit.determined[1] && fit.determined[2]);
+    check_near(fit.hurst, 0.7, 0.01);
+    for (size_t i = 0; i < table->n; i++) {
+        table->s[i] = 1e-33 * pow(table->zeta[i] / 1e7, -1.5);
+    }
+    assert_int_equal(haft_psd_fit_self_affine(&fit, table, &error), HAFT_ERROR_NUMERIC);
+    assert_non_null(strstr(error.message, "slower than that of any self-affine"));
+    haft_psd_table_destroy(&table);
+}
+
 static void bad_maps_are_refused(void **state) {
     (void)state;
     haft_error error = {0};
@@ -372,12 +467,14 @@ int main(void) {
         cmocka_unit_test(particles_are_masked),
         cmocka_unit_test(lines_without_pixels_are_left_out),
         cmocka_unit_test(outliers_of_rounded_heights_cannot_be_told),
-        cmocka_unit_test(holes_are_filled_harmonically),
+        cmocka_unit_test(holes_are_filled),
         cmocka_unit_test(statistics_of_a_wave),
         cmocka_unit_test(correlation_length_of_known_noise),
         cmocka_unit_test(table_moments_are_integrals),
         cmocka_unit_test(two_faces),
         cmocka_unit_test(fits_find_what_was_put_in),
+        cmocka_unit_test(fits_know_their_limits),
+        cmocka_unit_test(what_is_not_seen_is_not_determined),
         cmocka_unit_test(bad_maps_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

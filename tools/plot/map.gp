@@ -51,7 +51,7 @@ set ylabel "PSD (nm^4)"
 set key bottom left
 plot "psd.csv" using 1:2:($2*(1 - ($3 < 0.9 ? $3 : 0.9))):($2*(1 + $3)) with yerrorbars \
          pt 7 ps 0.6 lc rgb loading_colour title "rings, 1 standard error", \
-     "" using 1:(fitted ? $4 : NaN) with lines lc rgb unloading_colour lw 2 \
-         title fitted ? "self-affine fit" : ""
+     "" using 1:(fitted && $1 >= first && $1 <= last ? $4 : NaN) with lines \
+         lc rgb unloading_colour lw 2 title fitted ? "self-affine fit, where it holds" : ""
 unset multiplot
 set output

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Means of spectra over rings of wave vectors. */
+#ifndef HAFT_SURFACE_SPECTRUM_H
+#define HAFT_SURFACE_SPECTRUM_H
+
+#include "haft/surface_map.h"
+
+typedef struct haft_rings {
+    size_t n;
+    double *edge;              /* n + 1 */
+    double *weight, *zeta, *s; /* sums over modes, of 1, zeta and s */
+} haft_rings;
+
+/* Rings from half the coarsest mode, `width`, to the highest wave number. */
+haft_status haft_rings_create(haft_rings *rings, double width, double most, haft_error *error);
+
+void haft_rings_destroy(haft_rings *rings);
+
+/* Enters the modes up to `most` of a map without missing pixels; `known` of their number is
+ * counted. */
+haft_status haft_rings_enter(haft_rings *rings, const haft_map *map, haft_window window,
+                             double most, double known, haft_error *error);
+
+/* The means of the rings that hold any power. */
+haft_status haft_rings_to_table(haft_psd_table **out, const haft_rings *rings, haft_error *error);
+
+#endif
