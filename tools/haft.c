@@ -158,10 +158,44 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 
 /* ---- check ---- */
 
+static void print_parameters(const char *label, const haft_psd *psd) {
+    printf("  %-20s s_0 %.6g nm^4, zeta_0 %.6g rad/um, s_1 %.6g nm^4, zeta_max %.6g rad/um\n",
+           label, psd->s_0 * 1e36, psd->zeta_0 * 1e-6, psd->s_1 * 1e36, psd->zeta_max * 1e-6);
+}
+
+static void print_roughness(const char *label, double m0, double length, const haft_psd *psd) {
+    double hurst = haft_psd_get_hurst(psd);
+    printf("  %-20s rms %.6g nm, correlation_length %.6g nm, hurst %.6g%s, zeta_max %.6g rad/um\n",
+           label, sqrt(m0) * 1e9, length * 1e9, hurst,
+           hurst > 0 && hurst <= 1 ? "" : " (not self-affine: outside 0 to 1)",
+           psd->zeta_max * 1e-6);
+}
+
+/* Both forms of the PSD; of one by points, those of its fit. */
+static void print_psd(const haft_case *c) {
+    const haft_psd_table *table = c->surface.table;
+    haft_psd_fit fit = {.psd = c->surface.psd};
+    haft_error why_not = {0};
+    if (table != NULL) {
+        printf("  PSD                  %zu points, %.6g to %.6g rad/um; rms %.6g nm, correlation "
+               "length %.6g nm\n",
+               table->n, table->zeta[0] * 1e-6, table->zeta[table->n - 1] * 1e-6,
+               sqrt(haft_case_moments(c).m0) * 1e9, haft_case_correlation_length(c) * 1e9);
+        if (haft_psd_fit_self_affine(&fit, table, &why_not) != HAFT_OK) {
+            terminal_print(stdout, "  no self-affine form  %s", why_not.message);
+            return;
+        }
+    }
+    print_parameters(table != NULL ? "its self-affine fit" : "PSD", &fit.psd);
+    print_roughness("  or as", haft_psd_get_moments(&fit.psd).m0,
+                    haft_psd_get_correlation_length(&fit.psd), &fit.psd);
+}
+
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
     terminal_print(stdout, "%s: %s", c->name, c->title);
+    print_psd(c);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
            sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
     printf("  asperities           %.3g a um2, radius %.3g nm, heights %.3g nm (rms)\n",

@@ -119,9 +119,10 @@ typedef struct haft_case {
 
     /** The rough surfaces. */
     struct {
-        haft_psd psd;            /**< of a table, its corners */
-        double grid_step;        /**< [m] */
-        double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-5 */
+        haft_psd psd;             /**< of a table, its corners */
+        haft_roughness roughness; /**< that psd was made from; its rms is 0 if not given */
+        double grid_step;         /**< [m] */
+        double kernel_tolerance;  /**< energy the kernel's taper may take; default 1e-5 */
 
         haft_case_files maps, opposite_maps; /**< of either face; none: psd is the case's own */
         haft_case_files psd_file;            /**< a PSD by points */
@@ -257,6 +258,9 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 
 /** Moments of the case's PSD, whether by points or self-affine. */
 haft_psd_moments haft_case_moments(const haft_case *c);
+
+/** Correlation length of the case's PSD [m], to 1/e. Thread-safe. */
+double haft_case_correlation_length(const haft_case *c);
 
 /** Shall this realization leave evidence? */
 bool haft_case_wants_evidence(const haft_case *c, size_t realization);
