@@ -286,6 +286,13 @@ double haft_case_limit(const haft_case *c);
 /** The last part of a swept key's path: "l_meso" of "beam.l_meso". */
 const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key);
 
+/** A text as a case may hold it: in double quotes, with escapes for what YAML would take otherwise.
+ *  @param[out] out to be freed with haft_memory_free(); NULL after a failure
+ *  @param[in] text UTF-8
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_MEMORY. Thread-safe. */
+haft_status haft_case_quote(char **out, const char *text, haft_error *error) HAFT_MUST_CHECK;
+
 /** The resolved case as YAML that reads back to the same bits; the caller frees it with
  *  haft_memory_free(). */
 haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
