@@ -251,9 +251,9 @@ static haft_status choose_distances(init_plan *p, const reach *r, haft_error *er
     if (isinf(r->pushed)) {
         return haft_error_set(
             error, HAFT_ERROR_INPUT,
-            "surfaces of %.3g nm rms at %.4g %% humidity pull at every distance, "
-            "down to where their mean planes touch: menisci fill the whole gap, "
-            "and no law holds them apart; give a rougher surface or less humidity",
+            "surfaces of %.3g nm rms at %.4g %% humidity do not push as hard as they pull at any "
+            "distance, down to where their mean planes touch, so no law holds them apart; give a "
+            "rougher surface or less humidity",
             p->rms * 1e9, p->humidity * 100);
     }
     double low = fmax(0, r->pushed - ROOM * p->rms), high = r->ended + ROOM * p->rms + 0.5e-9;

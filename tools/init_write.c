@@ -274,7 +274,13 @@ static haft_status copy_map(bool *made, const init_plan *p, size_t k, haft_error
     if (status == HAFT_OK) {
         bool same = haft_file_read(&there, &other, to, SIZE_MAX / 2, NULL) == HAFT_OK &&
                     other == size && memcmp(there, bytes, size) == 0;
-        status = same ? HAFT_OK : haft_io_write(to, bytes, size, error);
+        if (!same && (there != NULL || access(to, F_OK) == 0)) {
+            status = haft_error_set(error, HAFT_ERROR_EXISTS,
+                                    "%s is there already, is another file than %s and is not "
+                                    "replaced; give another folder",
+                                    to, from);
+        }
+        status = same || status != HAFT_OK ? status : haft_io_write(to, bytes, size, error);
         *made = status == HAFT_OK && !same;
     }
     haft_memory_free(bytes);
