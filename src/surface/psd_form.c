@@ -150,6 +150,7 @@ static haft_status check_roughness(const haft_roughness *r, haft_error *error) {
     haft_psd narrow = with_roll_off(r, BAND_NARROWEST * r->zeta_max);
     haft_psd wide = with_roll_off(r, BAND_WIDEST * r->zeta_max);
     double least = haft_psd_get_correlation_length(&narrow);
+    double most = haft_psd_get_correlation_length(&wide);
     if (!(r->correlation_length >= least)) {
         return haft_error_set(
             error, HAFT_ERROR_INPUT,
@@ -157,13 +158,13 @@ static haft_status check_roughness(const haft_roughness *r, haft_error *error) {
             "= %.6g rad/um can have; give %.6g nm at least, or a larger zeta_max",
             r->correlation_length * 1e9, r->zeta_max * 1e-6, ceil(least * 1e13) * 1e-4);
     }
-    if (haft_psd_correlation(&wide, r->correlation_length) < FALLEN) {
+    if (!(r->correlation_length <= most)) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "a correlation length of %.6g um is longer than a roll-off of a "
                               "hundred-thousandth of zeta_max = %.6g rad/um gives; give %.6g um at "
                               "most, or a smaller zeta_max",
                               r->correlation_length * 1e6, r->zeta_max * 1e-6,
-                              floor(haft_psd_get_correlation_length(&wide) * 1e8) * 1e-2);
+                              floor(most * 1e8) * 1e-2);
     }
     return HAFT_OK;
 }

@@ -105,7 +105,6 @@ static void what_is_wrong_is_told_at_its_place(void **state) {
     refuse(surface, "surface.hurst: \"0\" is out of range");
     snprintf(surface, sizeof surface, "%s  hurst: 0.8\n  zeta_0: 19 rad/um\n", all);
     refuse(surface, "case.yaml:5:8: surface.rms: is given beside surface.zeta_0");
-    snprintf(surface, sizeof surface, "%s  hurst: 0.8\n  psd: psd.csv\n", all);
     char path[400];
     static const char points[] = "zeta [rad/um],s [nm^4]\n19,6e3\n289,6e-3\n";
     write_file(scratch_path(&folder, "psd.csv", path), points, strlen(points));

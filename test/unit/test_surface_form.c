@@ -124,6 +124,17 @@ static void what_cannot_be_is_refused(void **state) {
     refuse(r, "um at most");
     r.correlation_length = NAN;
     refuse(r, "at least");
+    /* whatever it is told, it ends, with a PSD or a reason */
+    for (int k = 0; k < 200; k++) {
+        uint64_t words[4];
+        haft_random_words((haft_random_key){25, HAFT_RANDOM_TEST}, (uint64_t)k, 0, 0, words);
+        r = (haft_roughness){pow(10, 600 * haft_random_uniform(words[0]) - 300),
+                             pow(10, 600 * haft_random_uniform(words[1]) - 300),
+                             fmin(1, pow(10, -300 * haft_random_uniform(words[2]))),
+                             pow(10, 600 * haft_random_uniform(words[3]) - 300)};
+        assert_true(haft_psd_from_roughness(&psd, &r, &error) == HAFT_OK ||
+                    error.message[0] != '\0');
+    }
     /* the nearest that is named can be used */
     static const double wished[] = {1e-9, 1};
     for (int k = 0; k < 2; k++) {
