@@ -3,6 +3,7 @@
 #include "against.h"
 #include "compare.h"
 #include "draw.h"
+#include "init.h"
 #include "report.h"
 #include "run.h"
 #include "summary_report.h"
@@ -39,7 +40,8 @@ typedef struct arguments {
     haft_shard shard; /* {0}: all */
     int threads;
     long realization; /* -1: the first that left evidence */
-    long beams;       /* a term of the budget */
+    long beams;       /* a term of the budget, or a study's; 0: as many as usual */
+    init_words init;
 } arguments;
 
 static const char DOC[] =
@@ -47,6 +49,8 @@ static const char DOC[] =
     "from the roughness of the two surfaces. CASE is a folder that holds case.yaml; what a run "
     "makes goes into CASE/out.\v"
     "Commands:\n"
+    "  init     make CASE from a height map (--map=FILE), or from --rms, --correlation-length and\n"
+    "           --hurst: a case.yaml that runs in a minute or two, to be changed as you like\n"
     "  check    read CASE/case.yaml and say whether it can be used\n"
     "  run      build the laws where needed, follow every beam, write CASE/out\n"
     "  resume   do what is left of a run that was stopped or killed\n"
@@ -76,7 +80,8 @@ static const struct argp_option OPTIONS[] = {
      "info, plot, of one case: hold its crack lengths against those of another case", 0},
     {"output", KEY_OUTPUT, "DIR", 0,
      "compare: put tables and figure into DIR (default: out/compare of the first case)", 0},
-    {"beams", KEY_BEAMS, "N", 0, "budget: follow N beams for each term (default: 4)", 0},
+    {"beams", KEY_BEAMS, "N", 0,
+     "budget: follow N beams for each term (default: 4); init: of the study (default: 50)", 0},
     {0}};
 
 static long parse_count(struct argp_state *state, const char *text, long least, long most,
@@ -107,6 +112,9 @@ static haft_shard parse_shard(struct argp_state *state, const char *text) {
 static error_t parse(int key, char *value, struct argp_state *state) {
     arguments *a = state->input;
     switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &a->init;
+        return 0;
     case KEY_FORCE:
         a->force = true;
         return 0;
@@ -194,12 +202,46 @@ static void print_fit(const haft_case *c) {
     }
 }
 
+static void print_parameters(const char *label, const haft_psd *psd) {
+    printf("  %-20s s_0 %.6g nm^4, zeta_0 %.6g rad/um, s_1 %.6g nm^4, zeta_max %.6g rad/um\n",
+           label, psd->s_0 * 1e36, psd->zeta_0 * 1e-6, psd->s_1 * 1e36, psd->zeta_max * 1e-6);
+}
+
+static void print_roughness(const char *label, double m0, double length, const haft_psd *psd) {
+    double hurst = haft_psd_get_hurst(psd);
+    printf("  %-20s rms %.6g nm, correlation_length %.6g nm, hurst %.6g%s, zeta_max %.6g rad/um\n",
+           label, sqrt(m0) * 1e9, length * 1e9, hurst,
+           hurst > 0 && hurst <= 1 ? "" : " (not self-affine: outside 0 to 1)",
+           psd->zeta_max * 1e-6);
+}
+
+/* Both forms of the PSD; of one by points, those of its fit. */
+static void print_psd(const haft_case *c) {
+    const haft_psd_table *table = c->surface.table;
+    haft_psd_fit fit = {.psd = c->surface.psd};
+    haft_error why_not = {0};
+    if (table != NULL) {
+        printf("  PSD                  %zu points, %.6g to %.6g rad/um; rms %.6g nm, correlation "
+               "length %.6g nm\n",
+               table->n, table->zeta[0] * 1e-6, table->zeta[table->n - 1] * 1e-6,
+               sqrt(haft_case_moments(c).m0) * 1e9, haft_case_correlation_length(c) * 1e9);
+        if (haft_psd_fit_self_affine(&fit, table, &why_not) != HAFT_OK) {
+            terminal_print(stdout, "  no self-affine form  %s", why_not.message);
+            return;
+        }
+    }
+    print_parameters(table != NULL ? "its self-affine fit" : "PSD", &fit.psd);
+    print_roughness("  or as", haft_psd_get_moments(&fit.psd).m0,
+                    haft_psd_get_correlation_length(&fit.psd), &fit.psd);
+}
+
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
     terminal_print(stdout, "%s: %s", c->name, c->title);
     print_notes(&c->surface.maps, &c->surface.map);
     print_notes(&c->surface.opposite_maps, &c->surface.opposite);
+    print_psd(c);
     printf("  roughness            %.3g nm rms, slope %.3g, curvature %.3g 1/um (rms)\n",
            sqrt(m.m0) * 1e9, sqrt(m.m2), sqrt(m.m4) * 1e-6);
     print_fit(c);
@@ -264,9 +306,9 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
 }
 
-enum { CHECK, RUN, RESUME, MERGE, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
-static const char *const commands[COMMANDS] = {"check", "run",    "resume", "merge",  "plot",
-                                               "info",  "report", "budget", "compare"};
+enum { INIT, CHECK, RUN, RESUME, MERGE, PLOT, INFO, REPORT, BUDGET, COMPARE, COMMANDS };
+static const char *const commands[COMMANDS] = {"init", "check", "run",    "resume", "merge",
+                                               "plot", "info",  "report", "budget", "compare"};
 
 /* What only one case has is refused where there is a sweep. */
 static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
@@ -305,7 +347,7 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     case REPORT:
         return report_case(c, a->folder, a->realization, t);
     case BUDGET:
-        return budget_case(c, a->folder, (size_t)a->beams, t);
+        return budget_case(c, a->folder, a->beams > 0 ? (size_t)a->beams : BUDGET_BEAMS, t);
     default:
         return swept                ? tell_sweep(c, a->folder, a->json, t)
                : a->against != NULL ? tell_against(c, a->folder, a->against, a->json, t)
@@ -325,10 +367,11 @@ static int start(const arguments *a, terminal *t) {
         return EXIT_OK;
     }
     if (command == COMMANDS) {
-        terminal_print(stderr,
-                       "haft: there is no command \"%s\"; try check, run, resume, merge, plot, "
-                       "info, report, budget or compare",
-                       a->command);
+        terminal_print(
+            stderr,
+            "haft: there is no command \"%s\"; try init, check, run, resume, merge, plot, "
+            "info, report, budget or compare",
+            a->command);
         return EXIT_USAGE;
     }
     if (a->against != NULL && command != PLOT && command != INFO) {
@@ -344,8 +387,18 @@ static int start(const arguments *a, terminal *t) {
         }
         return EXIT_USAGE;
     }
+    if (a->init.any && command != INIT) {
+        terminal_print(stderr,
+                       "haft: --map, --rms, --beam and what goes with them belong to init, "
+                       "not to %s",
+                       a->command);
+        return EXIT_USAGE;
+    }
     if (a->threads > 0) {
         omp_set_num_threads(a->threads);
+    }
+    if (command == INIT) {
+        return terminal_finish(t, init_case(&a->init, a->folder, (size_t)a->beams, t));
     }
     if (command == COMPARE) {
         return terminal_finish(t, compare_cases(a->count, a->folders, a->output, t));
@@ -368,9 +421,10 @@ int main(int argc, char **argv) {
     bool leads = haft_study_rank() == 0;
     argp_err_exit_status = EXIT_USAGE;
     argp_program_version = haft_version();
+    static const struct argp_child children[] = {{&init_options, 0, NULL, 0}, {0}};
     static const struct argp program = {
-        OPTIONS, parse, "COMMAND CASE\ncompare CASE CASE...", DOC, NULL, NULL, NULL};
-    arguments a = {.realization = -1, .beams = BUDGET_BEAMS};
+        OPTIONS, parse, "COMMAND CASE\ncompare CASE CASE...", DOC, children, NULL, NULL};
+    arguments a = {.realization = -1};
     error_t fault = argp_parse(&program, argc, argv, leads ? 0 : ARGP_SILENT, NULL, &a);
     if (fault == ENOMEM) {
         fputs("haft: out of memory\n", stderr);

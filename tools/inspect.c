@@ -2,6 +2,7 @@
 /* What a height map holds: read, cleaned as a case would, its statistics, spectrum and figures. */
 #include "inspect.h"
 #include "gnuplot.h"
+#include "inspect_print.h"
 #include "inspect_words.h"
 
 #include <errno.h>
@@ -12,18 +13,14 @@
 
 enum { BINS = 60, DRAWN_MOST = 512 };
 
-typedef struct wishes {
-    haft_map_options options;
-    haft_clean_spec clean;
-    haft_window window;
-    double tip_radius; /* [m], 0: none */
-} wishes;
+typedef inspect_wishes wishes;
 
 /* What was found. */
 typedef struct findings {
     haft_map *map;
     haft_clean_facts clean;
     haft_map_statistics statistics;
+    haft_map_texture texture;
     haft_psd_table *psd;
     haft_psd_moments moments; /* of the table, up to the limit */
     double limit;             /* of the tip [rad/m] */
@@ -51,7 +48,7 @@ static haft_status choose(int *choice, const char *option, const char *word,
                           word, all);
 }
 
-static haft_status understand(wishes *w, const inspect_words *words, haft_error *error) {
+haft_status inspect_read_words(inspect_wishes *w, const inspect_words *words, haft_error *error) {
     haft_units *units = NULL;
     double size[2] = {0, 0};
     *w = (wishes){.options = {.channel = words->channel},
@@ -117,6 +114,9 @@ static haft_status find_out(findings *f, const char *path, const wishes *w, haft
     status = haft_map_clean(f->map, &w->clean, &f->clean, error);
     if (status == HAFT_OK) {
         status = haft_map_get_statistics(&f->statistics, f->map, error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_map_get_texture(&f->texture, f->map, error);
     }
     if (status != HAFT_OK) {
         haft_error_prefix(error, "%s: ", path);
@@ -243,6 +243,7 @@ static void print_findings(const char *path, const findings *f, const wishes *w)
     printf("  rms slope along x %.4g, along y %.4g; rms curvature %.4g, %.4g 1/um\n",
            sqrt(s->slope_x), sqrt(s->slope_y), sqrt(s->curvature_x) * 1e-6,
            sqrt(s->curvature_y) * 1e-6);
+    inspect_print_texture(stdout, &f->texture);
     print_moments("moments by differences", s->moments);
     if (f->psd == NULL) {
         terminal_print(stdout, "  no PSD: %s", f->why_not.message);
@@ -366,6 +367,22 @@ static haft_status draw_findings(const char *path, const findings *f, const char
     return status;
 }
 
+/* The map as a case takes it, at the very end, so that it can be cut off there. */
+static haft_status print_block(const char *path, const findings *f, const wishes *w,
+                               haft_error *error) {
+    if (f->psd == NULL) {
+        return HAFT_OK;
+    }
+    surface_block b = {.files = 1,
+                       .file = &path,
+                       .wishes = w,
+                       .channel = f->map->channel,
+                       .grid_step = inspect_grid_step(f->psd->zeta[f->psd->n - 1]),
+                       .fit = f->fitted ? &f->fit : NULL};
+    printf("\n# To paste into case.yaml; its folder is where the map's path begins.\n");
+    return inspect_print_block(stdout, &b, error);
+}
+
 haft_status inspect_map(const char *path, const inspect_words *words, const char *folder,
                         bool quiet, haft_error *error) {
     wishes w;
@@ -374,16 +391,18 @@ haft_status inspect_map(const char *path, const inspect_words *words, const char
     const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
     snprintf(standard, sizeof standard, "%.255s.inspect", name);
     folder = folder != NULL ? folder : standard;
-    haft_status status = understand(&w, words, error);
+    haft_status status = inspect_read_words(&w, words, error);
     if (status == HAFT_OK) {
         status = find_out(&f, path, &w, error);
     }
     if (status == HAFT_OK) {
         print_findings(path, &f, &w);
         status = draw_findings(path, &f, folder, error);
-    }
-    if (status == HAFT_OK && !quiet) {
-        terminal_print(stdout, "  figure and data in %s", folder);
+        if (status == HAFT_OK && !quiet) {
+            terminal_print(stdout, "  figure and data in %s", folder);
+        }
+        haft_status told = print_block(path, &f, &w, status == HAFT_OK ? error : NULL);
+        status = status == HAFT_OK ? told : status;
     }
     haft_psd_table_destroy(&f.psd);
     haft_map_destroy(&f.map);

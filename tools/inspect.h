@@ -11,6 +11,17 @@ typedef struct inspect_words {
         *tip_radius;
 } inspect_words;
 
+/* What they mean. */
+typedef struct inspect_wishes {
+    haft_map_options options;
+    haft_clean_spec clean;
+    haft_window window;
+    double tip_radius; /* [m], 0: none */
+} inspect_wishes;
+
+/* Understands the words; where one is no option's, the message names it and what would do. */
+haft_status inspect_read_words(inspect_wishes *w, const inspect_words *words, haft_error *error);
+
 /* Reads the map, prints what it is like, and draws it into `folder` (NULL: MAP's name with
  * ".inspect", in the working directory). */
 haft_status inspect_map(const char *path, const inspect_words *words, const char *folder,

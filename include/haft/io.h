@@ -180,6 +180,15 @@ haft_status haft_map_read(haft_map **out, const char *path, const haft_map_optio
 haft_status haft_map_write(const haft_map *map, const char *path,
                            haft_error *error) HAFT_MUST_CHECK;
 
+/** Writes a new file, whole or not at all.
+ *  @param[in] path where nothing may be yet
+ *  @param[in] data its bytes
+ *  @param[in] size how many
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_EXISTS if something is there, HAFT_ERROR_IO. Thread-safe. */
+haft_status haft_io_write(const char *path, const void *data, size_t size,
+                          haft_error *error) HAFT_MUST_CHECK;
+
 /** One row of results.h5's /summary. */
 typedef struct haft_summary {
     double crack_length;        /**< after unloading [m]; the beam's length if free */

@@ -119,9 +119,10 @@ typedef struct haft_case {
 
     /** The rough surfaces. */
     struct {
-        haft_psd psd;            /**< of a table, its corners */
-        double grid_step;        /**< [m] */
-        double kernel_tolerance; /**< energy the kernel's taper may take; default 1e-5 */
+        haft_psd psd;             /**< of a table, its corners */
+        haft_roughness roughness; /**< that psd was made from; its rms is 0 if not given */
+        double grid_step;         /**< [m] */
+        double kernel_tolerance;  /**< energy the kernel's taper may take; default 1e-5 */
 
         haft_case_files maps, opposite_maps; /**< of either face; none: psd is the case's own */
         haft_case_files psd_file;            /**< a PSD by points */
@@ -262,6 +263,9 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
 /** Moments of the case's PSD, whether by points or self-affine. */
 haft_psd_moments haft_case_moments(const haft_case *c);
 
+/** Correlation length of the case's PSD [m], to 1/e. Thread-safe. */
+double haft_case_correlation_length(const haft_case *c);
+
 /** Shall this realization leave evidence? */
 bool haft_case_wants_evidence(const haft_case *c, size_t realization);
 
@@ -285,6 +289,13 @@ double haft_case_limit(const haft_case *c);
 
 /** The last part of a swept key's path: "l_meso" of "beam.l_meso". */
 const char *haft_sweep_leaf(const struct haft_case_sweep *sweep, size_t key);
+
+/** A text as a case may hold it: in double quotes, with escapes for what YAML would take otherwise.
+ *  @param[out] out to be freed with haft_memory_free(); NULL after a failure
+ *  @param[in] text UTF-8
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_MEMORY. Thread-safe. */
+haft_status haft_case_quote(char **out, const char *text, haft_error *error) HAFT_MUST_CHECK;
 
 /** The resolved case as YAML that reads back to the same bits; the caller frees it with
  *  haft_memory_free(). */

@@ -47,6 +47,39 @@ double haft_psd_value(const haft_psd *psd, double zeta);
 /** The moments in closed form (piecewise powers). Thread-safe. */
 haft_psd_moments haft_psd_get_moments(const haft_psd *psd);
 
+/** Autocorrelation of heights a distance r apart over their variance, the Hankel transform
+ *  2 pi int s J0(zeta r) zeta dzeta / m0 of a checked PSD, to about 1e-13.
+ *  @param[in] psd checked
+ *  @param[in] r distance [m], >= 0
+ *  Thread-safe. */
+double haft_psd_correlation(const haft_psd *psd, double r);
+
+/** The least distance at which haft_psd_correlation() is 1/e [m]. Thread-safe. */
+double haft_psd_get_correlation_length(const haft_psd *psd);
+
+/** The Hurst exponent H of a checked PSD, s ~ zeta^-(2 + 2 H) beyond the roll-off; a steep PSD has
+ *  one above 1, a flat one -1. Thread-safe. */
+double haft_psd_get_hurst(const haft_psd *psd);
+
+/** A self-affine PSD by what is often published of a surface. */
+typedef struct haft_roughness {
+    double rms;                /**< standard deviation of heights [m], sqrt(m0) */
+    double correlation_length; /**< where the autocorrelation falls to 1/e [m] */
+    double hurst;              /**< 0 < H <= 1 */
+    double zeta_max;           /**< shortest wave's number [rad/m] */
+} haft_roughness;
+
+/** The self-affine PSD of given roughness: its roll-off is that whose correlation length is the one
+ *  given, found by halving a bracket; its plateau follows from m0 in closed form.
+ *  @param[out] out the PSD
+ *  @param[in] roughness all four numbers
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INPUT for numbers out of range, or a correlation length that no roll-off
+ *  between zeta_max / 1e5 and zeta_max gives; the message names the nearest that one does.
+ *  Thread-safe. */
+haft_status haft_psd_from_roughness(haft_psd *out, const haft_roughness *roughness,
+                                    haft_error *error) HAFT_MUST_CHECK;
+
 /** Source: McCool (1987). Thread-safe. */
 haft_gw haft_gw_from_moments(haft_psd_moments moments);
 
@@ -74,6 +107,12 @@ double haft_psd_table_value(const haft_psd_table *table, double zeta);
 
 /** The moments of a checked table, its powers integrated in closed form. Thread-safe. */
 haft_psd_moments haft_psd_table_get_moments(const haft_psd_table *table);
+
+/** Autocorrelation over the variance as haft_psd_correlation(), of a checked table. Thread-safe. */
+double haft_psd_table_correlation(const haft_psd_table *table, double r);
+
+/** The least distance at which it is 1/e [m]. Thread-safe. */
+double haft_psd_table_get_correlation_length(const haft_psd_table *table);
 
 /** The distribution of heights at a point, as a transformation q of a standard normal number: mean
  * 0, variance 1. Read-only once made, shared by any number of threads. */

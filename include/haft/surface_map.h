@@ -142,6 +142,42 @@ typedef struct haft_map_statistics {
 haft_status haft_map_get_statistics(haft_map_statistics *out, const haft_map *map,
                                     haft_error *error) HAFT_MUST_CHECK;
 
+/** Areal parameters of ISO 25178-2, of a map levelled and cleaned. Heights are about the mean;
+ *  missing pixels are left out. Slopes are differences of neighbouring pixels, at the corners of
+ *  each cell of four that are there: Sdq and the area of Sdr are means over both triangulations of
+ *  the cells (exact for planes, of second order in the pixel). The autocorrelation f is that of
+ *  haft_map_statistics, along straight lines from lag 0 to every lag of half the map's sides,
+ *  bilinear between pixels. */
+typedef struct haft_map_texture {
+    double sq;      /**< root mean square height [m] */
+    double sa;      /**< mean of |z| [m] */
+    double sp;      /**< highest peak [m] */
+    double sv;      /**< deepest pit, counted down [m] */
+    double sz;      /**< sp + sv [m] */
+    double ssk;     /**< mean of z^3 / sq^3 */
+    double sku;     /**< mean of z^4 / sq^4 */
+    double sdq;     /**< root mean square slope; NAN without four pixels in a square */
+    double sdr;     /**< developed area over its projection, less 1; NAN as sdq */
+    double sal;     /**< least lag at which f falls to 0.2 [m]; NAN where it does nowhere */
+    double slowest; /**< greatest lag, over all directions, at which f first falls to 0.2 [m];
+                         INFINITY where in some direction it does not within half the map */
+    double reach;   /**< in that direction, how far was looked [m]; else the lag of `slowest` */
+    double str;     /**< sal / slowest: 1 isotropic; 0 where slowest is INFINITY, when sal / reach
+                         bounds it; NAN where sal is */
+} haft_map_texture;
+
+/** The value of the autocorrelation at which Sal and Str are read, the standard's default. */
+#define HAFT_TEXTURE_DECAY 0.2
+
+/** Those of a map.
+ *  @param[out] out all parameters
+ *  @param[in] map levelled and cleaned
+ *  @param[out] error one message where it fails; may be NULL
+ *  Source: ISO 25178-2:2021 (as in 2012), 4.2 to 4.4.
+ *  @return HAFT_ERROR_INPUT for fewer than 4 pixels or no variance. Not thread-safe (FFTW). */
+haft_status haft_map_get_texture(haft_map_texture *out, const haft_map *map,
+                                 haft_error *error) HAFT_MUST_CHECK;
+
 /** Two-dimensional estimate S(m, n) = dx dy / (4 pi^2 sum w^2) |DFT(w (z - mean_w))|^2 at wave
  *  vector (2 pi m / (rows step_row), 2 pi n / (columns step_column)), which sums to
  *  sum w^2 (z - mean_w)^2 / sum w^2 times the cell of wave vectors: the variance. mean_w is the

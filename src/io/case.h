@@ -39,6 +39,7 @@ typedef enum haft_surface_part {
     HAFT_PART_FACES,       /* where both faces' are */
     HAFT_PART_MARGINAL,    /* where heights are not Gaussian */
     HAFT_PART_FILM,        /* where a water film is adsorbed */
+    HAFT_PART_ROUGHNESS,   /* never: the PSD's parameters are resolved from them */
 } haft_surface_part;
 
 /* One key: where it is written, what it may hold and where it goes. */

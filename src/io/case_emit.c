@@ -240,6 +240,25 @@ static haft_status write_text(char **text, size_t *size, const haft_case *c,
     return HAFT_OK;
 }
 
+haft_status haft_case_quote(char **out, const char *text, haft_error *error) {
+    char *written = NULL;
+    size_t size = 0;
+    *out = NULL;
+    FILE *stream = open_memstream(&written, &size);
+    if (stream != NULL) {
+        write_quoted(stream, text);
+    }
+    bool good = stream != NULL && fclose(stream) == 0 && written != NULL;
+    *out = good ? haft_memory_alloc(size + 1, 1, error) : NULL;
+    if (*out != NULL) {
+        memcpy(*out, written, size);
+    } else if (!good) {
+        haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for a text");
+    }
+    free(written);
+    return *out == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+}
+
 bool haft_case_wants_evidence(const haft_case *c, size_t realization) {
     for (size_t i = 0; i < c->evidence.count && !c->evidence.all; i++) {
         if (c->evidence.realization[i] == realization) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The surface of a case: a self-affine PSD by its parameters, or maps of one face or both, or a PSD
- * by points in a CSV file. Files are read with the case, so that whoever holds a case holds its
- * surface, and their contents are part of its digests. */
+/* The surface of a case: a self-affine PSD by its parameters or by its roughness, or maps of one
+ * face or both, or a PSD by points in a CSV file. Files are read with the case, so that whoever
+ * holds a case holds its surface, and their contents are part of its digests. */
 #include "case.h"
 
 #include <math.h>
@@ -24,6 +24,8 @@ bool haft_case_has_part(const haft_case *c, const haft_key *key) {
         return c->contact.has_capillary && c->contact.adsorbed != HAFT_ADSORBED_NONE;
     case HAFT_PART_MARGINAL:
         return c->surface.marginal != HAFT_MARGINAL_GAUSSIAN;
+    case HAFT_PART_ROUGHNESS:
+        return false;
     default:
         return true;
     }
@@ -32,6 +34,11 @@ bool haft_case_has_part(const haft_case *c, const haft_key *key) {
 haft_psd_moments haft_case_moments(const haft_case *c) {
     return c->surface.table != NULL ? haft_psd_table_get_moments(c->surface.table)
                                     : haft_psd_get_moments(&c->surface.psd);
+}
+
+double haft_case_correlation_length(const haft_case *c) {
+    return c->surface.table != NULL ? haft_psd_table_get_correlation_length(c->surface.table)
+                                    : haft_psd_get_correlation_length(&c->surface.psd);
 }
 
 /* ---- a PSD by points ---- */
@@ -251,25 +258,92 @@ static haft_status load_marginal(haft_case *c, haft_error *error) {
 
 /* ---- all together ---- */
 
-/* Parameters where there are neither maps nor a table; neither, where there are. */
-static bool check_parameters(haft_case_reader *reader, const char *files) {
-    static const char *const keys[] = {"surface.zeta_max", "surface.zeta_0", "surface.s_0",
-                                       "surface.s_1"};
+/* What tells a PSD without files: zeta_max with either three. */
+static const char *const parameter_keys[] = {"surface.zeta_max", "surface.zeta_0", "surface.s_0",
+                                             "surface.s_1"};
+static const char *const roughness_keys[] = {"surface.zeta_max", "surface.rms",
+                                             "surface.correlation_length", "surface.hurst"};
+enum { PSD_KEYS = 4 };
+
+/* The first key but zeta_max that was written, well or not; NULL if none was. */
+static const char *first_written(const haft_case_reader *reader, const char *const *keys) {
+    for (size_t k = 1; k < PSD_KEYS; k++) {
+        haft_key_state state = reader->state[haft_case_find_key(keys[k])];
+        if (state == HAFT_GOOD || state == HAFT_BAD) {
+            return keys[k];
+        }
+    }
+    return NULL;
+}
+
+/* All keys of a form are there. @return false after a complaint, or where one was made before */
+static bool require(haft_case_reader *reader, const char *const *keys) {
     bool good = true;
-    for (size_t k = 0; k < 4; k++) {
+    for (size_t k = 0; k < PSD_KEYS; k++) {
         int index = haft_case_find_key(keys[k]);
-        if (files == NULL && reader->state[index] == HAFT_DEFAULTED) {
+        if (reader->state[index] == HAFT_DEFAULTED) {
             WRONG(reader, keys[k], "is missing; add \"%s: %s\"", haft_case_leaf(keys[k]),
                   haft_case_keys[index].example);
             reader->state[index] = HAFT_BAD;
-        } else if (files != NULL && k > 0 && haft_case_is_given(reader, keys[k])) {
-            WRONG(reader, keys[k], "is given beside %s, which has it; leave one out", files);
+        }
+        good = good && reader->state[index] != HAFT_BAD;
+    }
+    return good;
+}
+
+/* No key of a form but zeta_max is there, beside what has it already. */
+static bool forbid(haft_case_reader *reader, const char *const *keys, const char *beside) {
+    bool good = true;
+    for (size_t k = 1; k < PSD_KEYS; k++) {
+        if (haft_case_is_given(reader, keys[k])) {
+            WRONG(reader, keys[k], "is given beside %s, which has it; leave one out", beside);
             good = false;
-        } else if (reader->state[index] == HAFT_BAD) {
+        } else if (reader->state[haft_case_find_key(keys[k])] == HAFT_BAD) {
             good = false;
         }
     }
     return good;
+}
+
+/* The parameters from rms, correlation length and Hurst exponent. What cannot be told makes the
+ * parameters unsound, so that nothing more is said of them. */
+static bool resolve_roughness(haft_case_reader *reader) {
+    haft_case *c = reader->c;
+    haft_error error = {0};
+    bool good = require(reader, roughness_keys);
+    if (good) {
+        c->surface.roughness.zeta_max = c->surface.psd.zeta_max;
+        if (haft_psd_from_roughness(&c->surface.psd, &c->surface.roughness, &error) != HAFT_OK) {
+            WRONG(reader, "surface.correlation_length", "%s", error.message);
+            good = false;
+        }
+    }
+    for (size_t k = 0; k < PSD_KEYS && !good; k++) {
+        reader->state[haft_case_find_key(parameter_keys[k])] = HAFT_BAD;
+    }
+    return good;
+}
+
+/* Either form's keys where there are neither maps nor a table; neither's, where there are. */
+static bool check_parameters(haft_case_reader *reader, const char *files) {
+    const char *parameter = first_written(reader, parameter_keys);
+    const char *roughness = first_written(reader, roughness_keys);
+    if (files != NULL) {
+        bool zeta_max = reader->state[haft_case_find_key("surface.zeta_max")] != HAFT_BAD;
+        bool parameters = forbid(reader, parameter_keys, files);
+        return forbid(reader, roughness_keys, files) && parameters && zeta_max;
+    }
+    if (parameter != NULL && roughness != NULL) {
+        WRONG(reader, roughness,
+              "is given beside %s: a PSD has either rms, correlation_length and hurst, or zeta_0, "
+              "s_0 and s_1; leave one three out",
+              parameter);
+        for (size_t k = 1; k < PSD_KEYS; k++) {
+            reader->state[haft_case_find_key(parameter_keys[k])] = HAFT_BAD;
+        }
+        return false;
+    }
+    return roughness != NULL ? resolve_roughness(reader) : require(reader, parameter_keys);
 }
 
 /* Keys that ask for what is not there. */
@@ -318,8 +392,8 @@ static bool load_surface(haft_case_reader *reader) {
         return false;
     }
     const char *key = maps ? "surface.maps" : table ? "surface.psd" : NULL;
-    bool good = check_parameters(reader, key);
-    if (!good || !check_choices(reader)) {
+    bool good = check_parameters(reader, key), chosen = check_choices(reader);
+    if (!good || !chosen) {
         return good && key == NULL; /* parameters can be judged all the same */
     }
     haft_error error = {0};
@@ -340,14 +414,12 @@ static bool load_surface(haft_case_reader *reader) {
 }
 
 void haft_case_load_surface(haft_case_reader *reader) {
-    static const char *const keys[] = {"surface.zeta_max", "surface.zeta_0", "surface.s_0",
-                                       "surface.s_1"};
     haft_key_state maps = reader->state[haft_case_find_key("surface.maps")];
     haft_key_state table = reader->state[haft_case_find_key("surface.psd")];
     bool files = maps == HAFT_GOOD || maps == HAFT_BAD || table == HAFT_GOOD || table == HAFT_BAD;
     if (!load_surface(reader) && files) { /* there is no PSD, so nothing of it can be judged */
-        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
-            reader->state[haft_case_find_key(keys[k])] = HAFT_BAD;
+        for (size_t k = 0; k < PSD_KEYS; k++) {
+            reader->state[haft_case_find_key(parameter_keys[k])] = HAFT_BAD;
         }
     }
 }

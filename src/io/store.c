@@ -245,9 +245,10 @@ void haft_io_drop_stale(const char *path) {
     closedir(entries);
 }
 
-haft_status haft_store_put(const char *path, const void *data, size_t size, haft_error *error) {
+static haft_status put(const char *path, const void *data, size_t size, bool overwrite,
+                       haft_error *error) {
     haft_store store;
-    haft_status status = haft_store_open(&store, path, true, error);
+    haft_status status = haft_store_open(&store, path, overwrite, error);
     if (status != HAFT_OK) {
         return status;
     }
@@ -257,4 +258,12 @@ haft_status haft_store_put(const char *path, const void *data, size_t size, haft
     }
     haft_store_abandon(&store);
     return status;
+}
+
+haft_status haft_store_put(const char *path, const void *data, size_t size, haft_error *error) {
+    return put(path, data, size, true, error);
+}
+
+haft_status haft_io_write(const char *path, const void *data, size_t size, haft_error *error) {
+    return put(path, data, size, false, error);
 }

@@ -5,10 +5,8 @@
  * those of a few. The autocorrelation is that of the zero-padded map over the number of pairs at
  * each lag, had by the same transforms of the mask, so it is unbiased but for the mean's own error.
  */
-#include "haft/surface_map.h"
+#include "autocorrelation.h"
 
-#include <complex.h>
-#include <fftw3.h>
 #include <math.h>
 #include <string.h>
 
@@ -85,7 +83,7 @@ static haft_status take_moments(haft_map_statistics *s, const haft_map *map, haf
         }
     }
     m2 /= (double)s->pixels;
-    if (s->pixels < 4 || !(m2 > 0)) {
+    if (s->pixels < 4 || !(s->greatest > s->least) || !(m2 > 0)) { /* m2 may be rounding */
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "the map has %zu pixels and a variance of %g m^2: there is no "
                               "roughness to be read from it",
@@ -117,39 +115,6 @@ static void difference(const haft_map *map, size_t stride, size_t along, size_t 
     }
     *slope = n > 0 ? first / (double)n : NAN;
     *curvature = n > 0 ? second / (double)n : NAN;
-}
-
-/* |transform|^2 of a padded real field, in place, back to correlation sums. */
-static haft_status correlate(double *field, size_t rows, size_t columns, haft_error *error) {
-    size_t half = columns / 2 + 1;
-    fftw_complex *spectrum = haft_memory_alloc(rows * half, sizeof *spectrum, error);
-    if (spectrum == NULL) {
-        return HAFT_ERROR_MEMORY;
-    }
-    fftw_plan forward =
-        fftw_plan_dft_r2c_2d((int)rows, (int)columns, field, spectrum, FFTW_ESTIMATE);
-    fftw_plan inverse =
-        fftw_plan_dft_c2r_2d((int)rows, (int)columns, spectrum, field, FFTW_ESTIMATE);
-    haft_status status = HAFT_OK;
-    if (forward != NULL && inverse != NULL) {
-        fftw_execute(forward);
-        for (size_t i = 0; i < rows * half; i++) {
-            double re = creal(spectrum[i]), im = cimag(spectrum[i]);
-            spectrum[i] = (re * re + im * im) / (double)(rows * columns);
-        }
-        fftw_execute(inverse);
-    } else {
-        status = haft_error_set(error, HAFT_ERROR_LIBRARY,
-                                "FFTW makes no plan for a map of %zu x %zu", rows, columns);
-    }
-    if (forward != NULL) {
-        fftw_destroy_plan(forward);
-    }
-    if (inverse != NULL) {
-        fftw_destroy_plan(inverse);
-    }
-    haft_memory_free(spectrum);
-    return status;
 }
 
 /* First radius where the ring means of sum/pairs fall below 1/e of that at no lag. */
@@ -197,18 +162,8 @@ static haft_status find_correlation_length(haft_map_statistics *s, const haft_ma
     double *sum = haft_memory_alloc(rows * columns, sizeof *sum, error);
     double *pairs = haft_memory_alloc(rows * columns, sizeof *pairs, error);
     haft_status status = sum != NULL && pairs != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
-    for (size_t i = 0; status == HAFT_OK && i < map->rows; i++) {
-        for (size_t j = 0; j < map->columns; j++) {
-            double z = map->z[i * map->columns + j];
-            sum[i * columns + j] = isnan(z) ? 0 : z - s->mean;
-            pairs[i * columns + j] = isnan(z) ? 0 : 1;
-        }
-    }
     if (status == HAFT_OK) {
-        status = correlate(sum, rows, columns, error);
-    }
-    if (status == HAFT_OK) {
-        status = correlate(pairs, rows, columns, error);
+        status = haft_surface_autocorrelate(sum, pairs, map, s->mean, error);
     }
     if (status == HAFT_OK) {
         s->correlation_length = falling_radius(map, sum, pairs, columns);

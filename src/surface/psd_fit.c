@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a table of rings says about a self-affine surface, and how far it can be trusted: the rings
  * used, a cut-off, a floor, intervals, and how well the form fits. */
-#include "psd_form.h"
+#include "psd_likelihood.h"
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sf_psi.h>

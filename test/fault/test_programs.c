@@ -65,7 +65,8 @@ static void wrong_usage_is_told(void **state) {
     const char *p = c.path;
     check_refused(
         &c, 2, HAFT, ARGS("fly", p),
-        SAYS("\"fly\"", "try check, run, resume, merge, plot, info, report, budget or compare"));
+        SAYS("\"fly\"",
+             "try init, check, run, resume, merge, plot, info, report, budget or compare"));
     check_refused(&c, 2, HAFT_LAWS, ARGS("fly", p),
                   SAYS("\"fly\"", "try build, info, study, sample, fit or inspect"));
     check_refused(&c, 2, HAFT, ARGS("run"), SAYS("a command and a case are needed", "haft run"));

@@ -98,18 +98,25 @@ static void draw_value(draft *d, size_t i) {
 
 /* Makes of what was drawn a case that hangs together. */
 static void settle_surface(draft *d) {
-    size_t kind = draw(d, 4); /* parameters, a table, maps, maps of both faces */
+    size_t kind = draw(d, 5); /* parameters, a table, maps, maps of both faces, roughness */
+    bool rough = kind == 4;
+    kind = rough ? 0 : kind;
     put(d, "surface.maps", kind < 2 ? "" : "\"m a\\x07p \\\\ \\\"1\\\".gsf\"");
     put(d, "surface.opposite_maps", kind < 3 ? "" : "[b.gsf, b.gsf]");
     put(d, "surface.psd", kind == 1 ? "\"psd # 'x'.csv\"" : "");
     put(d, "surface.channel", kind < 2 || draw(d, 2) ? "" : "Height");
     put(d, "surface.outliers", draw(d, 2) ? "" : "40.5");
     put(d, "surface.tip_radius", draw(d, 2) ? "" : "0.31 nm");
-    if (kind > 0) {
+    static const char *const roughness[] = {"surface.rms", "surface.correlation_length",
+                                            "surface.hurst"};
+    for (size_t k = 0; k < 3; k++) {
+        put(d, roughness[k], rough ? haft_case_keys[haft_case_find_key(roughness[k])].example : "");
+    }
+    if (kind > 0 || rough) {
         put(d, "surface.zeta_0", "");
         put(d, "surface.s_0", "");
         put(d, "surface.s_1", "");
-        put(d, "surface.zeta_max", draw(d, 2) ? "" : "250 rad/um");
+        put(d, "surface.zeta_max", draw(d, 2) && !rough ? "" : "250 rad/um");
     } else {
         for (size_t i = 0; i < haft_case_key_count; i++) {
             const haft_key *key = &haft_case_keys[i];

@@ -19,11 +19,15 @@ _haft_cases() {
 }
 
 _haft() {
-    local program=$1 word=${COMP_WORDS[COMP_CWORD]} before=0 i
+    local program=$1 word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]} before=0 i
     for ((i = 1; i < COMP_CWORD; i++)); do
-        [[ ${COMP_WORDS[i]} == -* ]] || before=$((before + 1))
+        # bash splits --map=FILE at the sign
+        [[ ${COMP_WORDS[i]} == [-=]* || ${COMP_WORDS[i - 1]} == = ]] || before=$((before + 1))
     done
-    if [[ $word == -* ]]; then
+    if [[ $word == = || $last == = ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "${word#=}")
+        compopt -o filenames
+    elif [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$(_haft_words "$program" options)" -- "$word")
         [[ ${COMPREPLY[0]-} != *= ]] || compopt -o nospace
     elif ((before == 0)); then

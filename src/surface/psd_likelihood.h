@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The self-affine form with a constant floor, and its likelihood over the rings of a PSD. */
-#ifndef HAFT_SURFACE_PSD_FORM_H
-#define HAFT_SURFACE_PSD_FORM_H
+#ifndef HAFT_SURFACE_PSD_LIKELIHOOD_H
+#define HAFT_SURFACE_PSD_LIKELIHOOD_H
 
 #include "haft/surface_map.h"
 

@@ -5,7 +5,7 @@
  * roll-off itself, over which the likelihood has kinks and may have several dips, is searched for
  * on a grid and then by golden section. Each grid is swept twice, from a form without a floor and
  * from one whose floor is the table's end, since scoring finds the nearest dip alone. */
-#include "psd_form.h"
+#include "psd_likelihood.h"
 
 #include <math.h>
 
