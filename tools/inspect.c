@@ -239,7 +239,11 @@ static void print_findings(const char *path, const findings *f, const wishes *w)
     printf("  levelled by %s\n", levels[w->clean.level]);
     printf("  rms %.4f nm, skewness %.4f, kurtosis %.4f; %.4g to %.4g nm\n", s->rms * 1e9,
            s->skewness, s->kurtosis, s->least * 1e9, s->greatest * 1e9);
-    printf("  correlation length (to 1/e) %.4g nm\n", s->correlation_length * 1e9);
+    if (isnan(s->correlation_length)) {
+        printf("  correlation length: the autocorrelation does not fall to 1/e within the map\n");
+    } else {
+        printf("  correlation length (to 1/e) %.4g nm\n", s->correlation_length * 1e9);
+    }
     printf("  rms slope along x %.4g, along y %.4g; rms curvature %.4g, %.4g 1/um\n",
            sqrt(s->slope_x), sqrt(s->slope_y), sqrt(s->curvature_x) * 1e-6,
            sqrt(s->curvature_y) * 1e-6);

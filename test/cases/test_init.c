@@ -4,13 +4,9 @@
  * table. What init is told wrongly, and what it must not touch; the surface section at the end of
  * inspect's output, pasted into a case. */
 #include "program.h"
+#include "same_map.h"
 
 #include "haft/io.h"
-
-#include <hdf5.h>
-
-enum { SIDE = 64 };
-static const double STEP = 40e-9;
 
 /* Heights like polished silicon's, the same for all formats. */
 static double *make_heights(void) {
@@ -34,118 +30,6 @@ static double *make_heights(void) {
 
 /* ---- the formats ---- */
 
-static FILE *begin(const char *path) {
-    FILE *stream = fopen(path, "wb");
-    assert_non_null(stream);
-    return stream;
-}
-
-static void end(FILE *stream) {
-    assert_int_equal(fclose(stream), 0);
-}
-
-static void write_matrix(FILE *stream, const double *z, double unit, char separator) {
-    for (size_t i = 0; i < SIDE; i++) {
-        for (size_t j = 0; j < SIDE; j++) {
-            fprintf(stream, "%.9g%c", z[i * SIDE + j] / unit, j + 1 < SIDE ? separator : '\n');
-        }
-    }
-}
-
-/* 16 bits of 20 nm/V, from the bottom. */
-static void write_nanoscope_map(const char *path, const double *z) {
-    enum { HEADER = 2048 };
-    char header[HEADER] = "";
-    FILE *stream = begin(path);
-    sprintf(header,
-            "\\*File list\r\n\\Version: 0x07200000\r\n\\Data length: %d\r\n\\*Scanner list\r\n"
-            "\\@Sens. Zsens: V 20.00000 nm/V\r\n\\*Ciao image list\r\n\\Data offset: %d\r\n"
-            "\\Data length: %d\r\n\\Bytes/pixel: 2\r\n\\Samps/line: %d\r\n\\Number of lines: %d\r\n"
-            "\\Aspect Ratio: 1:1\r\n\\Scan Size: 2.56 2.56 ~m\r\n"
-            "\\@2:Z scale: V [Sens. Zsens] (0.0001 V/LSB) 2.56 V\r\n"
-            "\\@2:Image Data: S [Height] \"Height\"\r\n\\*File list end\r\n\x1a",
-            HEADER, HEADER, 2 * SIDE * SIDE, SIDE, SIDE);
-    assert_int_equal(fwrite(header, 1, HEADER, stream), HEADER);
-    for (size_t i = SIDE; i-- > 0;) {
-        for (size_t j = 0; j < SIDE; j++) {
-            long raw = lround(z[i * SIDE + j] / (20e-9 * 2.56 / 65536));
-            fputc((int)((unsigned long)raw & 0xff), stream);
-            fputc((int)((unsigned long)raw >> 8 & 0xff), stream);
-        }
-    }
-    end(stream);
-}
-
-static void write_gsf(const char *path, const double *z) {
-    FILE *stream = begin(path);
-    char header[200];
-    int n = sprintf(header,
-                    "Gwyddion Simple Field 1.0\nXRes = %d\nYRes = %d\nXReal = 2.56e-6\n"
-                    "YReal = 2.56e-6\nXYUnits = m\nZUnits = m\n",
-                    SIDE, SIDE);
-    fwrite(header, 1, (size_t)n, stream);
-    for (int k = 0; k < 4 - n % 4; k++) {
-        fputc(0, stream);
-    }
-    for (size_t k = 0; k < (size_t)SIDE * SIDE; k++) {
-        float value = (float)z[k];
-        fwrite(&value, sizeof value, 1, stream);
-    }
-    end(stream);
-}
-
-static void write_hdf(const char *path, const double *z) {
-    hsize_t shape[2] = {SIDE, SIDE}, two = 2;
-    double size[2] = {2.56e-6, 2.56e-6};
-    hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    hid_t space = H5Screate_simple(2, shape, NULL), pair = H5Screate_simple(1, &two, NULL);
-    hid_t one = H5Screate(H5S_SCALAR), text = H5Tcopy(H5T_C_S1);
-    H5Tset_size(text, 2);
-    hid_t set =
-        H5Dcreate2(file, "height", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    hid_t unit = H5Acreate2(set, "unit", text, one, H5P_DEFAULT, H5P_DEFAULT);
-    hid_t sides = H5Acreate2(set, "size", H5T_NATIVE_DOUBLE, pair, H5P_DEFAULT, H5P_DEFAULT);
-    assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, z) >= 0 &&
-                H5Awrite(unit, text, "m") >= 0 && H5Awrite(sides, H5T_NATIVE_DOUBLE, size) >= 0);
-    H5Aclose(sides);
-    H5Aclose(unit);
-    H5Dclose(set);
-    H5Tclose(text);
-    H5Sclose(one);
-    H5Sclose(pair);
-    H5Sclose(space);
-    assert_true(H5Fclose(file) >= 0);
-}
-
-static void write_gwyddion_text(const char *path, const double *z) {
-    FILE *stream = begin(path);
-    fprintf(stream, "# Channel: Height\n# Width: 2.56 \xc2\xb5m\n# Height: 2.56 \xc2\xb5m\n"
-                    "# Value units: m\n");
-    write_matrix(stream, z, 1, '\t');
-    end(stream);
-}
-
-static void write_bare_text(const char *path, const double *z) {
-    FILE *stream = begin(path);
-    write_matrix(stream, z, 1e-9, ' ');
-    end(stream);
-}
-
-static void write_csv(const char *path, const double *z) {
-    FILE *stream = begin(path);
-    write_matrix(stream, z, 1e-9, ',');
-    end(stream);
-}
-
-static void write_points(const char *path, const double *z) {
-    FILE *stream = begin(path);
-    for (size_t k = 0; k < (size_t)SIDE * SIDE; k++) {
-        fprintf(stream, "%.10g %.10g %.9g\n", 1e6 * STEP * (double)(k % SIDE),
-                1e6 * STEP * (double)(SIDE - k / SIDE), z[k] * 1e9);
-    }
-    end(stream);
-}
-
 typedef struct format {
     const char *file;
     void (*write)(const char *path, const double *z);
@@ -160,6 +44,10 @@ static const format formats[] = {
     {"bare.txt", write_bare_text, {"--unit=nm", "--size=2.56 um x 2.56 um"}},
     {"map.csv", write_csv, {"--unit=nm", "--size=2.56 um x 2.56 um"}},
     {"points.xyz", write_points, {"--unit=nm", "--lateral-unit=um"}},
+    {"map.npy", write_npy, {"--unit=m", "--size=2.56 um x 2.56 um"}},
+    {"map.gwy", write_gwyddion, {NULL}},
+    {"packed.nc", write_packed, {"--size=2.56 um x 2.56 um"}},
+    {"utf16.txt", write_utf16, {"--unit=nm", "--size=2.56 um x 2.56 um"}},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
