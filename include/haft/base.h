@@ -57,6 +57,17 @@ typedef enum haft_status {
     HAFT_ERROR_INTERRUPTED, /**< the caller asked for an early end */
 } haft_status;
 
+/** Ends the calling function with the status of a call that fails. It frees nothing: a function
+ * that owns something calls another for the steps that may fail, frees, and returns that one's
+ * status. */
+#define HAFT_TRY(call)                                                                             \
+    do {                                                                                           \
+        const haft_status try_status = (call);                                                     \
+        if (try_status != HAFT_OK) {                                                               \
+            return try_status;                                                                     \
+        }                                                                                          \
+    } while (0)
+
 /** Capacity of an error message; longer ones are cut, and end in "...". */
 #define HAFT_ERROR_CAPACITY 4096
 
