@@ -220,6 +220,10 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     }
     if (status == HAFT_OK) {
         print_result(c, view->summary, a->json);
+        if (view->rewritten && !a->json) {
+            terminal_print(stdout, "%s was rewritten by another program; its data are unchanged",
+                           path);
+        }
     }
     haft_results_view_destroy(&view);
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);
