@@ -48,9 +48,13 @@ static inline void data_write_results(const char *path, double load) {
     haft_case *c = data_model();
     haft_results *results = NULL;
     haft_path_point point[DATA_POINTS] = {{.load = load, .jump = -1}, {.jump = -1}, {.jump = -1}};
-    double state[DATA_POINTS * 4] = {1, 2, 3, 4}, scale[4] = {1, 1, 1, 1}, x[DATA_NODES] = {0, 1e-4, 2e-4};
-    haft_path p = {
-        .points = DATA_POINTS, .point = point, .turn = 1, .state = state, .outcome = HAFT_OUTCOME_FREE};
+    double state[DATA_POINTS * 4] = {1, 2, 3, 4}, scale[4] = {1, 1, 1, 1},
+                               x[DATA_NODES] = {0, 1e-4, 2e-4};
+    haft_path p = {.points = DATA_POINTS,
+                   .point = point,
+                   .turn = 1,
+                   .state = state,
+                   .outcome = HAFT_OUTCOME_FREE};
     haft_site site = {.x = 1e-4, .area = 1e-10};
     haft_law law = {.kind = HAFT_LAW_MORSE};
     haft_law_vector vector = {1e-3, 2e6, 9e-9, 6e-9};

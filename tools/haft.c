@@ -193,7 +193,8 @@ static void print_derived(const haft_case *c) {
 
 static int command_check(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
-    haft_status status = check_sweep(c, a->folder, &error);
+    haft_status status =
+        c->sweep.keys > 0 ? check_sweep(c, a->folder, &error) : haft_study_check(c, true, &error);
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);
     }

@@ -74,8 +74,8 @@ typedef struct haft_hdf_column {
 void haft_hdf_begin(haft_hdf *hdf);
 void haft_hdf_drop(haft_hdf *hdf);
 
-/* Writes a dataset; groups on the way are made. `value` is an array of the type's numbers. Without a
- * unit (NULL) neither unit nor description are written. */
+/* Writes a dataset; groups on the way are made. `value` is an array of the type's numbers. Without
+ * a unit (NULL) neither unit nor description are written. */
 void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
                     const hsize_t *dims, const void *value, const char *unit,
                     const char *description);

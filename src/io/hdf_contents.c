@@ -183,11 +183,11 @@ static finding digest_attribute(char digest[HAFT_DIGEST_CAPACITY], hid_t object,
     haft_hdf_found got = haft_hdf_get_attribute(object, name, HAFT_HDF_TEXT, 1, &text);
     if (got == HAFT_HDF_FOUND) {
         digest_value(digest, word_of(HAFT_HDF_TEXT), "", text, strlen(text));
-    } else if (got == HAFT_HDF_FOREIGN && haft_hdf_get_attribute(object, name, HAFT_HDF_COUNTS, 1,
-                                                                 &count) == HAFT_HDF_FOUND) {
+    } else if (got == HAFT_HDF_FOREIGN &&
+               haft_hdf_get_attribute(object, name, HAFT_HDF_COUNTS, 1, &count) == HAFT_HDF_FOUND) {
         digest_value(digest, word_of(HAFT_HDF_COUNTS), "", &count, sizeof count);
-    } else if (got == HAFT_HDF_FOREIGN && haft_hdf_get_attribute(object, name, HAFT_HDF_REALS, 1,
-                                                                 &real) == HAFT_HDF_FOUND) {
+    } else if (got == HAFT_HDF_FOREIGN &&
+               haft_hdf_get_attribute(object, name, HAFT_HDF_REALS, 1, &real) == HAFT_HDF_FOUND) {
         digest_value(digest, word_of(HAFT_HDF_REALS), "", &real, sizeof real);
     } else if (got == HAFT_HDF_NO_MEMORY) {
         hdf->status = haft_error_set(hdf->error, HAFT_ERROR_MEMORY,

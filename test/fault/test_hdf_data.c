@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* laws.h5 and results.h5 that are damaged or hostile: what no checksum vouches for is read in a child
- * process and compared with the digests in the file, and none leads out of its file. */
+/* laws.h5 and results.h5 that are damaged or hostile: what no checksum vouches for is read in a
+ * child process and compared with the digests in the file, and none leads out of its file. */
 #include "data_files.h"
 #include "hostile_hdf.h"
 
