@@ -218,6 +218,28 @@ static inline void check_silent_about(const char *text, const char *says) {
     }
 }
 
+/* Runs, and checks the code, the words, that only a message came, and that no file came or went. */
+static inline void check_program_refuses(const case_folder *c, int code, const char *program,
+                                         const char *const *args, const char *const *says) {
+    char *before = listing(c);
+    ran r = run_expect(code, program, args);
+    for (; *says != NULL; says++) {
+        check_says(r.err, *says);
+    }
+    check_says(r.err, strstr(program, "haft-laws") == NULL ? "haft: " : "haft-laws: ");
+    assert_string_equal(r.out, "");
+    ran_free(&r);
+    char *after = listing(c);
+    assert_string_equal(before, after);
+    free(before);
+    free(after);
+}
+
+#define SAYS(...)                                                                                  \
+    (const char *const[]) {                                                                        \
+        __VA_ARGS__, NULL                                                                          \
+    }
+
 /* The number after "key": in JSON. */
 static inline double json_number(const char *json, const char *key) {
     char quoted[100];

@@ -274,7 +274,8 @@ static void print_derived(const haft_case *c) {
 
 static int command_check(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
-    haft_status status = check_sweep(c, a->folder, &error);
+    haft_status status =
+        c->sweep.keys > 0 ? check_sweep(c, a->folder, &error) : haft_study_check(c, true, &error);
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);
     }
@@ -301,6 +302,10 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     }
     if (status == HAFT_OK) {
         print_result(c, view->summary, a->json);
+        if (view->rewritten && !a->json) {
+            terminal_print(stdout, "%s was rewritten by another program; its data are unchanged",
+                           path);
+        }
     }
     haft_results_view_destroy(&view);
     return status == HAFT_OK ? EXIT_OK : terminal_fail(t, status, &error);

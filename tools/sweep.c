@@ -55,12 +55,31 @@ static haft_status open_sweep(sweep *s, const haft_case *first, const char *fold
     return status;
 }
 
+/* Are its laws, or what becomes of them, other than those of all variants before? */
+static bool has_new_laws(const sweep *s, size_t i) {
+    for (size_t k = 0; k < i; k++) {
+        const haft_case *a = s->c[k], *b = s->c[i];
+        if (strcmp(s->inputs[k], s->inputs[i]) == 0 && a->law.kind == b->law.kind &&
+            a->law.unfit == b->law.unfit) {
+            return false;
+        }
+    }
+    return true;
+}
+
 haft_status check_sweep(const haft_case *c, const char *folder, haft_error *error) {
     sweep s;
     haft_status status = open_sweep(&s, c, folder, error);
-    if (status == HAFT_OK) {
-        close_sweep(&s);
+    if (status != HAFT_OK) {
+        return status;
     }
+    for (size_t i = 0; i < s.variants && status == HAFT_OK; i++) {
+        status = haft_study_check(s.c[i], has_new_laws(&s, i), error);
+        if (status != HAFT_OK) {
+            haft_error_prefix(error, "variant %s: ", s.c[i]->sweep.label);
+        }
+    }
+    close_sweep(&s);
     return status;
 }
 

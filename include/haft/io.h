@@ -357,6 +357,7 @@ typedef struct haft_results_view {
     size_t realizations;   /**< of the case */
     haft_summary *summary; /**< realizations */
     char *resolved_case;   /**< YAML text */
+    bool rewritten;        /**< by another program, which left all data as they were */
 } haft_results_view;
 
 /** Reads the summary and the resolved case of results.h5.

@@ -170,6 +170,25 @@ typedef struct haft_site_laws {
 haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
                                  size_t realization, haft_error *error) HAFT_MUST_CHECK;
 
+/** Makes the law of a site from the first of the laws, as haft_study_site_laws() does, and drops
+ * it.
+ *  @param[in] c the case
+ *  @param[in] laws one at least
+ *  @param[in] site for messages, and how many sites before it there are
+ *  @param[out] error why there is no law; may be NULL
+ *  @return HAFT_ERROR_INPUT as haft_study_site_laws(). Thread-safe. */
+haft_status haft_study_try_law(const haft_case *c, const haft_laws *laws, size_t site,
+                               haft_error *error) HAFT_MUST_CHECK;
+
+/** Takes the steps that a run of the case takes first, without following a beam: mesh, surfaces or
+ *  windows of maps, forces, and the law of the first site of realization 0 where laws are built
+ * from curves. So what a run would refuse there is known before it, by the same message.
+ *  @param[in] c the case
+ *  @param[in] laws whether surfaces, forces and law are tried too, which may take seconds
+ *  @param[out] error one message where it fails; may be NULL
+ *  @return HAFT_ERROR_INPUT with what a run would refuse. Not thread-safe (FFTW's planner). */
+haft_status haft_study_check(const haft_case *c, bool laws, haft_error *error) HAFT_MUST_CHECK;
+
 /** Frees them and sets the pointer to NULL; NULL is allowed. */
 void haft_site_laws_destroy(haft_site_laws **laws);
 

@@ -10,13 +10,22 @@
 
 #include <hdf5.h>
 
+/* Digests of what is written, line by line: the text of /contents. */
+typedef struct haft_hdf_list {
+    char *text;
+    size_t used, capacity;
+    bool kept; /* lines are added */
+} haft_hdf_list;
+
 /* A file or a group being written or read. */
 typedef struct haft_hdf {
     hid_t file;
-    void *bytes;        /* of a file being read */
-    const char *path;   /* for messages */
-    const char *remedy; /* what to do about a file that cannot be read */
-    size_t file_bytes;  /* of a file being read */
+    void *bytes;            /* of a file being read */
+    const char *path;       /* for messages */
+    const char *remedy;     /* what to do about a file that cannot be read */
+    size_t file_bytes;      /* of a file being read */
+    haft_hdf_list contents; /* of a file being written */
+    bool rewritten;         /* by another program, with the data that Haft wrote */
     haft_status status;
     haft_error *error;
 } haft_hdf;
@@ -43,7 +52,14 @@ void haft_hdf_fail(haft_hdf *hdf, const char *what);
 /* Notes that a file being read holds something else than it should. */
 void haft_hdf_refuse(haft_hdf *hdf, const char *format, ...) HAFT_PRINTF(2, 3);
 
-typedef enum haft_hdf_type { HAFT_HDF_REAL, HAFT_HDF_INT } haft_hdf_type;
+typedef enum haft_hdf_type {
+    HAFT_HDF_REAL, /* double */
+    HAFT_HDF_INT,  /* int */
+    HAFT_HDF_BYTE, /* unsigned char: the characters of a text */
+} haft_hdf_type;
+
+/* HDF5's type of such numbers in memory. */
+hid_t haft_hdf_native_type(haft_hdf_type type);
 
 /* One dataset that is a member of a C struct, row after row. */
 typedef struct haft_hdf_column {
@@ -58,7 +74,8 @@ typedef struct haft_hdf_column {
 void haft_hdf_begin(haft_hdf *hdf);
 void haft_hdf_drop(haft_hdf *hdf);
 
-/* Writes a dataset; groups on the way are made. `value` is double[] or int[] by type. */
+/* Writes a dataset; groups on the way are made. `value` is an array of the type's numbers. Without
+ * a unit (NULL) neither unit nor description are written. */
 void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
                     const hsize_t *dims, const void *value, const char *unit,
                     const char *description);
@@ -133,11 +150,34 @@ typedef enum haft_hdf_found {
 haft_hdf_found haft_hdf_get_attribute(hid_t object, const char *name, haft_hdf_kind kind,
                                       size_t points, void *value);
 
+/* ---- digests of what a file holds: hdf_contents.c ---- */
+
+/* From here on each dataset and attribute that is written gets a line in the list. */
+void haft_hdf_list_begin(haft_hdf *hdf);
+void haft_hdf_list_dataset(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,
+                           const hsize_t *dims, const void *value, const char *unit);
+void haft_hdf_list_attribute(haft_hdf *hdf, const char *object, const char *name,
+                             haft_hdf_kind kind, const void *value, size_t bytes);
+
+/* Writes the list, with its own digest, as the last dataset. */
+void haft_hdf_list_write(haft_hdf *hdf);
+void haft_hdf_list_release(haft_hdf *hdf);
+
+/* The list of a file being read, freed with haft_memory_free(); NULL if there is none. */
+char *haft_hdf_list_read(haft_hdf *hdf);
+
+/* Does it have a line of this dataset? */
+bool haft_hdf_list_has(const char *list, const char *path);
+
+/* Compares all that the list names with its digest; refuses the file and says what differs. False
+ * if it did so or if there is no list. */
+bool haft_hdf_verify(haft_hdf *hdf);
+
 /* ---- opening: hdf_open.c, hdf_copy.c ---- */
 
 /* Reads a file whole, verifies its checksum, opens it in memory, and checks format and layout
- * version. A file without a checksum is not opened: a child process makes a copy of what Haft
- * reads, and that is opened. */
+ * version. A file without a checksum, or that does not match it, is not opened: a child process
+ * makes a copy of what Haft reads; that is opened, and compared with the digests it holds. */
 haft_status haft_hdf_open(haft_hdf *hdf, const char *path, const char *format, haft_error *error);
 void haft_hdf_close(haft_hdf *hdf);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A file without a checksum may be from anywhere, and a few changed bytes make HDF5 write beyond
- * its memory. So a child process reads it, and hands back a new file of what Haft reads: groups,
- * their attributes of one text or number, and datasets of numbers. The parent opens that alone.
+/* A file that no checksum vouches for may be from anywhere, and a few changed bytes make HDF5 write
+ * beyond its memory. So a child process reads it, and hands back a new file of what Haft reads:
+ * groups, datasets of numbers, and attributes of one text or number. The parent opens that alone.
  * Links that lead elsewhere, and data of other kinds, are left behind. */
 #include "child.h"
 #include "hdf.h"
@@ -14,6 +14,7 @@ enum { DEPTH_MOST = 8, OBJECT_BYTES = 64, ATTRIBUTES_MOST = 256 };
 
 typedef struct copier {
     haft_hdf from, to;
+    char *list; /* what Haft wrote, if the file says it */
 } copier;
 
 /* ---- in the child ---- */
@@ -47,11 +48,11 @@ static void copy_attributes(copier *c, hid_t object, const char *path) {
     }
 }
 
-/* As doubles or ints, which is what the readers take. */
+/* As doubles or ints, which is what the readers take. What others added may be of any kind. */
 static void copy_dataset(copier *c, hid_t dataset, const char *path) {
     haft_hdf_set set;
     const char *reason = haft_hdf_inspect(&set, dataset, c->from.file_bytes);
-    if (reason != NULL) {
+    if (reason != NULL && (c->list == NULL || haft_hdf_list_has(c->list, path))) {
         haft_hdf_refuse(&c->from, "has the dataset %s, which %s", path, reason);
     }
     if (reason != NULL || set.class == H5T_NO_CLASS || set.rank == 0) {
@@ -71,7 +72,8 @@ static void copy_dataset(copier *c, hid_t dataset, const char *path) {
         haft_hdf_refuse(&c->from, "has %s that cannot be read", path);
     } else {
         haft_hdf_write(&c->to, path, real ? HAFT_HDF_REAL : HAFT_HDF_INT, set.rank, set.dims, value,
-                       "", "");
+                       NULL, NULL);
+        copy_attributes(c, dataset, path);
     }
     haft_memory_free(value);
 }
@@ -95,6 +97,8 @@ static void copy_all(copier *c) {
         haft_hdf_refuse(&c->from, "cannot be read as HDF5");
         return;
     }
+    c->from.file = root;
+    c->list = haft_hdf_list_read(&c->from);
     haft_hdf_begin(&c->to);
     copy_attributes(c, root, "/");
     const char *reason =
@@ -102,6 +106,7 @@ static void copy_all(copier *c) {
     if (reason != NULL) {
         haft_hdf_refuse(&c->from, "has %s", reason);
     }
+    haft_memory_free(c->list);
     H5Fclose(root);
 }
 

@@ -151,8 +151,8 @@ void haft_hdf_read(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank
     }
     if (set.class != (real ? H5T_FLOAT : H5T_INTEGER)) {
         haft_hdf_refuse(hdf, "has %s of another type than %s", path, real ? "real" : "integer");
-    } else if (hdf->status == HAFT_OK && H5Dread(dataset, real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT,
-                                                 H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0) {
+    } else if (hdf->status == HAFT_OK && H5Dread(dataset, haft_hdf_native_type(type), H5S_ALL,
+                                                 H5S_ALL, H5P_DEFAULT, value) < 0) {
         haft_hdf_refuse(hdf, "has %s that cannot be read", path);
     }
     H5Oclose(dataset);

@@ -45,6 +45,7 @@ void haft_hdf_begin(haft_hdf *hdf) {
 }
 
 void haft_hdf_drop(haft_hdf *hdf) {
+    haft_hdf_list_release(hdf);
     if (hdf->file >= 0) {
         H5Fclose(hdf->file);
         hdf->file = -1;
@@ -91,25 +92,30 @@ void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, co
     hid_t id = open_object(hdf, object);
     if (id >= 0) {
         attach_text(hdf, id, name, text);
+        haft_hdf_list_attribute(hdf, object, name, HAFT_HDF_TEXT, text, strlen(text));
         H5Oclose(id);
     }
 }
 
-static void write_number(haft_hdf *hdf, const char *object, const char *name, hid_t stored,
-                         hid_t given, const void *value) {
+/* A double or a uint64_t, by kind. */
+static void write_number(haft_hdf *hdf, const char *object, const char *name, haft_hdf_kind kind,
+                         const void *value) {
+    bool real = kind == HAFT_HDF_REALS;
     hid_t id = open_object(hdf, object);
     if (id >= 0) {
-        attach(hdf, id, name, stored, given, value);
+        attach(hdf, id, name, real ? H5T_IEEE_F64LE : H5T_STD_U64LE,
+               real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_UINT64, value);
+        haft_hdf_list_attribute(hdf, object, name, kind, value, sizeof(uint64_t));
         H5Oclose(id);
     }
 }
 
 void haft_hdf_write_real(haft_hdf *hdf, const char *object, const char *name, double value) {
-    write_number(hdf, object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+    write_number(hdf, object, name, HAFT_HDF_REALS, &value);
 }
 
 void haft_hdf_write_count(haft_hdf *hdf, const char *object, const char *name, uint64_t value) {
-    write_number(hdf, object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
+    write_number(hdf, object, name, HAFT_HDF_COUNTS, &value);
 }
 
 void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c,
@@ -123,6 +129,7 @@ void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c
     if (hdf->status != HAFT_OK) {
         return;
     }
+    haft_hdf_list_begin(hdf);
     haft_digest_memory(text, strlen(text), digest);
     H5get_libversion(&major, &minor, &release);
     snprintf(hdf5, sizeof hdf5, "%u.%u.%u", major, minor, release);
@@ -145,22 +152,32 @@ void haft_hdf_write_origin(haft_hdf *hdf, const char *format, const haft_case *c
 
 /* ---- datasets ---- */
 
+static hid_t stored_type(haft_hdf_type type) {
+    return type == HAFT_HDF_REAL  ? H5T_IEEE_F64LE
+           : type == HAFT_HDF_INT ? H5T_STD_I32LE
+                                  : H5T_STD_U8LE;
+}
+
+hid_t haft_hdf_native_type(haft_hdf_type type) {
+    return type == HAFT_HDF_REAL  ? H5T_NATIVE_DOUBLE
+           : type == HAFT_HDF_INT ? H5T_NATIVE_INT
+                                  : H5T_NATIVE_UCHAR;
+}
+
 /* Into the group `at`, or the file. */
 static void write_dataset(haft_hdf *hdf, hid_t at, const char *path, haft_hdf_type type, int rank,
                           const hsize_t *dims, const void *value, const char *unit,
                           const char *description) {
     static const char nothing[8] = {0};
-    hid_t stored = type == HAFT_HDF_REAL ? H5T_IEEE_F64LE : H5T_STD_I32LE;
-    hid_t given = type == HAFT_HDF_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT;
     hid_t space = H5Screate_simple(rank, dims, NULL);
     hid_t links = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_create_intermediate_group(links, 1);
     H5Pset_obj_track_times(creation, 0);
-    hid_t dataset = H5Dcreate2(at, path, stored, space, links, creation, H5P_DEFAULT);
-    if (dataset < 0 || H5Dwrite(dataset, given, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+    hid_t dataset = H5Dcreate2(at, path, stored_type(type), space, links, creation, H5P_DEFAULT);
+    if (dataset < 0 || H5Dwrite(dataset, haft_hdf_native_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT,
                                 value != NULL ? value : nothing) < 0) {
         haft_hdf_fail(hdf, path);
-    } else {
+    } else if (unit != NULL) {
         attach_text(hdf, dataset, "unit", unit);
         attach_text(hdf, dataset, "description", description);
     }
@@ -177,6 +194,7 @@ void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int ran
                     const char *description) {
     if (hdf->status == HAFT_OK) {
         write_dataset(hdf, hdf->file, path, type, rank, dims, value, unit, description);
+        haft_hdf_list_dataset(hdf, path, type, rank, dims, value, unit);
     }
 }
 
@@ -223,6 +241,9 @@ void haft_hdf_write_columns(haft_hdf *hdf, const char *group, size_t columns,
         }
         write_dataset(hdf, at, column[j].name, column[j].type, 1, dims, scratch, column[j].unit,
                       column[j].description);
+        char path[128];
+        snprintf(path, sizeof path, "%s/%s", group, column[j].name);
+        haft_hdf_list_dataset(hdf, path, column[j].type, 1, dims, scratch, column[j].unit);
     }
     if (at >= 0) {
         H5Gclose(at);
@@ -280,6 +301,7 @@ static void store_image(haft_hdf *hdf, haft_store *store) {
 }
 
 haft_status haft_hdf_store(haft_hdf *hdf, haft_store *store) {
+    haft_hdf_list_write(hdf);
     if (hdf->status == HAFT_OK) {
         store_image(hdf, store);
     }

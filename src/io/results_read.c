@@ -42,6 +42,7 @@ haft_status haft_results_read(haft_results_view **out, const char *path, haft_er
     haft_hdf hdf;
     if (haft_hdf_open(&hdf, path, HAFT_HDF_RESULTS, error) == HAFT_OK) {
         read_view(&hdf, *out);
+        (*out)->rewritten = hdf.rewritten;
         haft_hdf_close(&hdf);
     }
     haft_hdf_unhush(voice);

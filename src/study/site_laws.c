@@ -177,29 +177,43 @@ haft_status haft_study_take_laws(haft_laws **out, const haft_case *c, const haft
 
 /* ---- the laws of a beam ---- */
 
-haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
-                                 size_t realization, haft_error *error) {
-    *out = NULL;
-    haft_site_laws *s = haft_memory_alloc(1, sizeof *s, error);
+static haft_status create(haft_site_laws **out, size_t sites, size_t tables, haft_error *error) {
+    haft_site_laws *s = *out = haft_memory_alloc(1, sizeof *s, error);
     if (s == NULL) {
         return HAFT_ERROR_MEMORY;
     }
+    s->sites = sites;
+    s->tables = tables;
+    s->law = haft_memory_alloc(sites, sizeof *s->law, error);
+    s->table = haft_memory_alloc(tables, sizeof *s->table, error);
+    s->vector = haft_memory_alloc(sites, sizeof *s->vector, error);
+    return s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
+}
+
+haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const haft_laws *laws,
+                                 size_t realization, haft_error *error) {
     bool drawn = haft_sampler_is_stochastic(c->law.sampler), patches = haft_study_draws_patches(c);
-    s->sites = haft_study_sites(c);
-    s->law = haft_memory_alloc(s->sites, sizeof *s->law, error);
-    s->tables = drawn && patches ? laws->m : s->sites;
-    s->table = haft_memory_alloc(s->tables, sizeof *s->table, error);
-    s->vector = haft_memory_alloc(s->sites, sizeof *s->vector, error);
-    haft_status status = s->law && s->table && s->vector ? HAFT_OK : HAFT_ERROR_MEMORY;
+    size_t sites = haft_study_sites(c);
+    haft_status status = create(out, sites, drawn && patches ? laws->m : sites, error);
     if (status == HAFT_OK) {
         status = (!drawn    ? use_laws
                   : patches ? draw_patches
-                            : draw_laws)(s, c, laws, realization, error);
+                            : draw_laws)(*out, c, laws, realization, error);
     }
     if (status != HAFT_OK) {
-        haft_site_laws_destroy(&s);
+        haft_site_laws_destroy(out);
     }
-    *out = s;
+    return status;
+}
+
+haft_status haft_study_try_law(const haft_case *c, const haft_laws *laws, size_t site,
+                               haft_error *error) {
+    haft_site_laws *s = NULL;
+    haft_status status = create(&s, site + 1, 1, error);
+    if (status == HAFT_OK) {
+        status = make_law(s, c, laws, site, 0, 0, error);
+    }
+    haft_site_laws_destroy(&s);
     return status;
 }
 

@@ -3,28 +3,6 @@
  * nothing changed on the disk. */
 #include "program.h"
 
-/* Runs, and checks the code, the words, that only a message came, and that no file came or went. */
-static void check_refused(const case_folder *c, int code, const char *program,
-                          const char *const *args, const char *const *says) {
-    char *before = listing(c);
-    ran r = run_expect(code, program, args);
-    for (; *says != NULL; says++) {
-        check_says(r.err, *says);
-    }
-    check_says(r.err, strstr(program, "haft-laws") == NULL ? "haft: " : "haft-laws: ");
-    assert_string_equal(r.out, "");
-    ran_free(&r);
-    char *after = listing(c);
-    assert_string_equal(before, after);
-    free(before);
-    free(after);
-}
-
-#define SAYS(...)                                                                                  \
-    (const char *const[]) {                                                                        \
-        __VA_ARGS__, NULL                                                                          \
-    }
-
 static void wrong_cases_are_told_with_place_key_and_way_out(void **state) {
     (void)state;
     static const struct {
@@ -51,10 +29,10 @@ static void wrong_cases_are_told_with_place_key_and_way_out(void **state) {
         const char *const *m = mistakes[i].says;
         static const char *const commands[] = {"check", "run", "info", "plot"};
         for (int k = 0; k < 4; k++) {
-            check_refused(&c, 3, HAFT, ARGS(commands[k], c.path),
-                          SAYS(place, m[0], m[1], m[2] != NULL ? m[2] : ""));
+            check_program_refuses(&c, 3, HAFT, ARGS(commands[k], c.path),
+                                  SAYS(place, m[0], m[1], m[2] != NULL ? m[2] : ""));
         }
-        check_refused(&c, 3, HAFT_LAWS, ARGS("build", c.path), SAYS(place, m[0], m[1]));
+        check_program_refuses(&c, 3, HAFT_LAWS, ARGS("build", c.path), SAYS(place, m[0], m[1]));
         case_remove(&c);
     }
 }
@@ -63,21 +41,22 @@ static void wrong_usage_is_told(void **state) {
     (void)state;
     case_folder c = case_create(NULL);
     const char *p = c.path;
-    check_refused(
+    check_program_refuses(
         &c, 2, HAFT, ARGS("fly", p),
         SAYS("\"fly\"",
              "try init, check, run, resume, merge, plot, info, report, budget or compare"));
-    check_refused(&c, 2, HAFT_LAWS, ARGS("fly", p),
-                  SAYS("\"fly\"", "try build, info, study, sample, fit or inspect"));
-    check_refused(&c, 2, HAFT, ARGS("run"), SAYS("a command and a case are needed", "haft run"));
-    check_refused(&c, 2, HAFT, ARGS("run", p, "x"), SAYS("\"x\" is too much"));
-    check_refused(&c, 2, HAFT, ARGS("run", p, "--fast"), SAYS("--fast", "--help"));
+    check_program_refuses(&c, 2, HAFT_LAWS, ARGS("fly", p),
+                          SAYS("\"fly\"", "try build, info, study, sample, fit or inspect"));
+    check_program_refuses(&c, 2, HAFT, ARGS("run"),
+                          SAYS("a command and a case are needed", "haft run"));
+    check_program_refuses(&c, 2, HAFT, ARGS("run", p, "x"), SAYS("\"x\" is too much"));
+    check_program_refuses(&c, 2, HAFT, ARGS("run", p, "--fast"), SAYS("--fast", "--help"));
     static const char *const counts[] = {"0", "-1", "two", "", "2x", "4097", "4294967297"};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-        check_refused(&c, 2, HAFT, ARGS("run", p, "--threads", counts[i]),
-                      SAYS("--threads", "whole number", counts[i]));
-        check_refused(&c, 2, HAFT_LAWS, ARGS("build", p, "--threads", counts[i]),
-                      SAYS("--threads", "whole number", counts[i]));
+        check_program_refuses(&c, 2, HAFT, ARGS("run", p, "--threads", counts[i]),
+                              SAYS("--threads", "whole number", counts[i]));
+        check_program_refuses(&c, 2, HAFT_LAWS, ARGS("build", p, "--threads", counts[i]),
+                              SAYS("--threads", "whole number", counts[i]));
     }
     case_remove(&c);
     ran r = run_expect(0, HAFT, ARGS("--help"));
@@ -92,14 +71,16 @@ static void folders_that_hold_no_case_are_told(void **state) {
     (void)state;
     case_folder c = case_create(NULL);
     char path[400];
-    check_refused(&c, 4, HAFT, ARGS("run", path_in(&c, "nowhere", path)),
-                  SAYS(path, "No such file", "give the folder of a case"));
-    check_refused(&c, 3, HAFT, ARGS("run", path_in(&c, "case.yaml", path)),
-                  SAYS(path, "is no folder", "the folder that holds case.yaml"));
-    check_refused(&c, 4, HAFT, ARGS("run", c.top.folder), SAYS("case.yaml", "No such file"));
-    check_refused(&c, 4, HAFT_LAWS, ARGS("info", c.path), SAYS("laws.h5", "haft-laws build"));
-    check_refused(&c, 4, HAFT, ARGS("info", c.path), SAYS("results.h5", "haft run"));
-    check_refused(&c, 4, HAFT, ARGS("plot", c.path), SAYS(".h5", "haft"));
+    check_program_refuses(&c, 4, HAFT, ARGS("run", path_in(&c, "nowhere", path)),
+                          SAYS(path, "No such file", "give the folder of a case"));
+    check_program_refuses(&c, 3, HAFT, ARGS("run", path_in(&c, "case.yaml", path)),
+                          SAYS(path, "is no folder", "the folder that holds case.yaml"));
+    check_program_refuses(&c, 4, HAFT, ARGS("run", c.top.folder),
+                          SAYS("case.yaml", "No such file"));
+    check_program_refuses(&c, 4, HAFT_LAWS, ARGS("info", c.path),
+                          SAYS("laws.h5", "haft-laws build"));
+    check_program_refuses(&c, 4, HAFT, ARGS("info", c.path), SAYS("results.h5", "haft run"));
+    check_program_refuses(&c, 4, HAFT, ARGS("plot", c.path), SAYS(".h5", "haft"));
     case_remove(&c);
 }
 
@@ -123,8 +104,10 @@ static void damaged_laws_are_refused(void **state) {
             damaged[size / 2] ^= 1; /* one bit */
         }
         write_file(path, damaged, now);
-        check_refused(&c, 3, HAFT_LAWS, ARGS("info", c.path), SAYS(path, "haft-laws build"));
-        check_refused(&c, 3, HAFT, ARGS("run", "--quiet", c.path), SAYS(path, "haft-laws build"));
+        check_program_refuses(&c, 3, HAFT_LAWS, ARGS("info", c.path),
+                              SAYS(path, "haft-laws build"));
+        check_program_refuses(&c, 3, HAFT, ARGS("run", "--quiet", c.path),
+                              SAYS(path, "haft-laws build"));
         size_t after = 0;
         char *left = read_whole_file(path, &after);
         assert_int_equal(after, now);
@@ -137,8 +120,9 @@ static void damaged_laws_are_refused(void **state) {
     assert_int_equal(rename(path, path_in(&c, "kept", kept)), 0);
     char results[400];
     assert_int_equal(rename(path_in(&c, "out/results.h5", results), path), 0);
-    check_refused(&c, 3, HAFT_LAWS, ARGS("info", c.path), SAYS(path, "haft-laws build"));
-    check_refused(&c, 3, HAFT, ARGS("run", "--quiet", c.path), SAYS(path, "haft-laws build"));
+    check_program_refuses(&c, 3, HAFT_LAWS, ARGS("info", c.path), SAYS(path, "haft-laws build"));
+    check_program_refuses(&c, 3, HAFT, ARGS("run", "--quiet", c.path),
+                          SAYS(path, "haft-laws build"));
     free(laws);
     free(damaged);
     case_remove(&c);
@@ -153,9 +137,9 @@ static void damaged_results_are_refused(void **state) {
     char *results = read_whole_file(path_in(&c, "out/results.h5", path), &size);
     results[size / 3] ^= 1;
     write_file(path, results, size);
-    check_refused(&c, 3, HAFT, ARGS("info", c.path), SAYS(path, "haft run"));
+    check_program_refuses(&c, 3, HAFT, ARGS("info", c.path), SAYS(path, "haft run"));
     write_file(path, results, size / 3);
-    check_refused(&c, 3, HAFT, ARGS("info", c.path), SAYS(path, "haft run"));
+    check_program_refuses(&c, 3, HAFT, ARGS("info", c.path), SAYS(path, "haft run"));
     must_run(HAFT, ARGS("run", "--quiet", "--force", c.path));
     must_run(HAFT, ARGS("info", c.path));
     free(results);
@@ -167,8 +151,8 @@ static void an_output_that_cannot_be_written_is_told(void **state) {
     case_folder c = case_create(NULL);
     char out[400], path[400];
     write_file(path_in(&c, "out", out), "mine", 4);
-    check_refused(&c, 4, HAFT, ARGS("run", c.path), SAYS("/out", "cannot"));
-    check_refused(&c, 4, HAFT_LAWS, ARGS("build", c.path), SAYS("/out", "cannot"));
+    check_program_refuses(&c, 4, HAFT, ARGS("run", c.path), SAYS("/out", "cannot"));
+    check_program_refuses(&c, 4, HAFT_LAWS, ARGS("build", c.path), SAYS("/out", "cannot"));
     char *mine = read_whole_file(out, NULL);
     assert_string_equal(mine, "mine");
     free(mine);
@@ -176,17 +160,18 @@ static void an_output_that_cannot_be_written_is_told(void **state) {
     /* a folder where a file shall be */
     assert_int_equal(mkdir(out, 0777), 0);
     assert_int_equal(mkdir(path_in(&c, "out/results.h5", path), 0777), 0);
-    check_refused(&c, 4, HAFT, ARGS("run", "--quiet", "--force", c.path),
-                  SAYS("results.h5", "is a directory"));
+    check_program_refuses(&c, 4, HAFT, ARGS("run", "--quiet", "--force", c.path),
+                          SAYS("results.h5", "is a directory"));
     assert_int_equal(rmdir(path), 0);
     assert_int_equal(mkdir(path_in(&c, "out/laws.h5", path), 0777), 0);
-    check_refused(&c, 4, HAFT_LAWS, ARGS("build", "--quiet", "--force", c.path),
-                  SAYS("laws.h5", "is a directory"));
+    check_program_refuses(&c, 4, HAFT_LAWS, ARGS("build", "--quiet", "--force", c.path),
+                          SAYS("laws.h5", "is a directory"));
     if (geteuid() != 0) { /* nobody forbids root */
         assert_int_equal(rmdir(path), 0);
         assert_int_equal(chmod(out, 0555), 0);
-        check_refused(&c, 4, HAFT, ARGS("run", "--quiet", c.path), SAYS("/out", "denied"));
-        check_refused(&c, 4, HAFT_LAWS, ARGS("build", "--quiet", c.path), SAYS("/out", "denied"));
+        check_program_refuses(&c, 4, HAFT, ARGS("run", "--quiet", c.path), SAYS("/out", "denied"));
+        check_program_refuses(&c, 4, HAFT_LAWS, ARGS("build", "--quiet", c.path),
+                              SAYS("/out", "denied"));
         assert_int_equal(chmod(out, 0777), 0);
     }
     case_remove(&c);
@@ -329,7 +314,7 @@ static void a_curve_without_a_law_stops_where_asked(void **state) {
     case_folder c = case_create((edit[]){
         {"f_limit: 5 MPa", "f_limit: 500 MPa"}, {"unfit: table", "unfit: stop"}, {NULL, NULL}});
     must_run(HAFT_LAWS, ARGS("build", "--quiet", c.path));
-    check_refused(
+    check_program_refuses(
         &c, 3, HAFT, ARGS("run", "--quiet", c.path),
         SAYS("realization 0", "no Morse law fits the curve of site 0", "set law.unfit: table"));
     case_remove(&c);

@@ -419,7 +419,8 @@ static void check_names(const char *file, const char *const *names, const char *
 
 static const char *const root_names[] = {
     "format", "layout_version", "haft_version", "haft_revision", "compiler", "hdf5_version",
-    "seed",   "laws_digest",    "case_digest",  "case",          NULL};
+    "seed",   "laws_digest",    "case_digest",  "case",          "contents_digest",
+    NULL};
 static const char *const laws_names[] = {"/curves/distance",
                                          "/curves/force",
                                          "/curves/zero_distance",
@@ -431,6 +432,7 @@ static const char *const laws_names[] = {"/curves/distance",
                                          "/laws/d_max",
                                          "/laws/d_limit",
                                          "/laws/fault",
+                                         "/contents",
                                          NULL};
 static const char *const results_names[] = {"/summary/crack_length",
                                             "/summary/loaded_crack_length",
@@ -465,6 +467,7 @@ static const char *const results_names[] = {"/summary/crack_length",
                                             "/realizations/0/evidence/node_x",
                                             "/realizations/0/evidence/load",
                                             "/realizations/0/evidence/displacement",
+                                            "/contents",
                                             NULL};
 
 static void documented_names_are_there(void **state) {
@@ -476,9 +479,9 @@ static void documented_names_are_there(void **state) {
     haft_case *c = read_model(2);
     haft_laws *laws = make_laws();
     check_ok(haft_laws_write(laws, c, file, &error), error);
-    check_names(file, laws_names, root_names, 11);
+    check_names(file, laws_names, root_names, 11 + 1);
     write_results(file, true);
-    check_names(file, results_names, root_names, 13 + 2 * (11 + 13) + 10);
+    check_names(file, results_names, root_names, 13 + 2 * (11 + 13) + 10 + 1);
     haft_laws_destroy(&laws);
     haft_case_destroy(&c);
     scratch_remove(&s);
