@@ -9,8 +9,10 @@
  * det S_k / S_k(0,0) are those of the eigenvalues.
  *
  * Each block waits for the one before it, so what counts is the chain of operations from S_k to
- * S_k+1: C adj(S) C' is formed beside det S, and only its product with 1 / det S comes after the
- * division. */
+ * S_k+1. C adj(S) C' is formed beside det S, and only its product with 1 / det S comes after the
+ * division. And the elimination goes from both ends at once and meets in the middle block (the
+ * twisted order; Meurant 1992), so that the processor has two chains to work on: `bench-cycle -s`
+ * takes 1.0 to 1.2 times as long without. */
 #include "band.h"
 
 #include <math.h>
@@ -80,94 +82,141 @@ bool haft_band_lead(haft_band *band, size_t n) {
     return fits;
 }
 
-static void count_pivot(haft_inertia *inertia, double pivot, double *largest) {
-    inertia->negative += !(pivot > 0);
-    inertia->least_pivot = fmin(inertia->least_pivot, pivot);
-    *largest = fmax(*largest, fabs(pivot));
+/* What is noted of all pivots; `check` is finite if all are. */
+typedef struct tally {
+    int negative;
+    double least, largest, check;
+} tally;
+
+HAFT_INLINE void count_pivot(tally *t, double pivot) {
+    double size = fabs(pivot);
+    t->negative += !(pivot > 0);
+    t->least = pivot < t->least ? pivot : t->least;
+    t->largest = size > t->largest ? size : t->largest;
 }
 
-/* y_k+1 = b_k+1 - L_k y_k; b_k becomes y_k. */
-HAFT_INLINE void forward(const band_block *block, double *b, int columns, size_t n) {
-    for (int c = 0; c < columns; c++, b += n) {
-        b[2] -= block->l[0][0] * b[0] + block->l[0][1] * b[1];
-        b[3] -= block->l[1][0] * b[0] + block->l[1][1] * b[1];
-    }
+/* A symmetric block; a block off the diagonal, whose rows are those of the next node. */
+typedef struct symmetric {
+    double s00, s01, s11;
+} symmetric;
+typedef struct coupling {
+    double c00, c01, c10, c11;
+} coupling;
+
+HAFT_INLINE symmetric diagonal_block(const haft_band *band, const double *values, size_t k) {
+    const double *entry = values + band->diagonal[2 * k];
+    return (symmetric){entry[0], entry[1], values[band->diagonal[2 * k + 1]]};
 }
 
-/* x_k = S_k^-1 y_k - L_k' x_k+1. */
-HAFT_INLINE void backward(const haft_band *band, double *b, int columns) {
-    size_t n = band->n, last = n / 2 - 1;
-    for (size_t k = last + 1; k-- > 0;) {
-        const band_block *block = &band->block[k];
-        for (int c = 0; c < columns; c++) {
-            double *y = b + (size_t)c * n + 2 * k;
-            double x0 = block->inverse[0] * y[0] + block->inverse[1] * y[1];
-            double x1 = block->inverse[1] * y[0] + block->inverse[2] * y[1];
-            if (k < last) {
-                x0 -= block->l[0][0] * y[2] + block->l[1][0] * y[3];
-                x1 -= block->l[0][1] * y[2] + block->l[1][1] * y[3];
-            }
-            y[0] = x0;
-            y[1] = x1;
+/* C_k, which leads from node k to the next, and C_k-1', which leads to the one before. */
+HAFT_INLINE coupling to_next(const haft_band *band, const double *values, size_t k) {
+    const double *left = values + band->diagonal[2 * k],
+                 *right = values + band->diagonal[2 * k + 1];
+    return (coupling){left[2], right[1], left[3], right[2]};
+}
+
+HAFT_INLINE coupling to_previous(const haft_band *band, const double *values, size_t k) {
+    coupling c = to_next(band, values, k - 1);
+    return (coupling){c.c00, c.c10, c.c01, c.c11};
+}
+
+HAFT_INLINE symmetric subtract(symmetric a, symmetric b) {
+    return (symmetric){a.s00 - b.s00, a.s01 - b.s01, a.s11 - b.s11};
+}
+
+/* Eliminates a block. @return what it takes from the next, L C' */
+HAFT_INLINE symmetric eliminate(band_block *block, symmetric s, coupling c, tally *t) {
+    double inverse = 1 / (s.s00 * s.s11 - s.s01 * s.s01);
+    /* C adj(S), whose product with 1 / det S is L */
+    double m00 = c.c00 * s.s11 - c.c01 * s.s01, m01 = c.c01 * s.s00 - c.c00 * s.s01;
+    double m10 = c.c10 * s.s11 - c.c11 * s.s01, m11 = c.c11 * s.s00 - c.c10 * s.s01;
+    *block = (band_block){{s.s11 * inverse, -s.s01 * inverse, s.s00 * inverse},
+                          {{m00 * inverse, m01 * inverse}, {m10 * inverse, m11 * inverse}}};
+    count_pivot(t, s.s00);
+    count_pivot(t, 1 / block->inverse[2]);
+    t->check += inverse;
+    return (symmetric){(m00 * c.c00 + m01 * c.c01) * inverse, (m10 * c.c00 + m11 * c.c01) * inverse,
+                       (m10 * c.c10 + m11 * c.c11) * inverse};
+}
+
+/* The next block's part of a right-hand side, less L y. */
+HAFT_INLINE void forward(const band_block *block, const double *y, double *next) {
+    next[0] -= block->l[0][0] * y[0] + block->l[0][1] * y[1];
+    next[1] -= block->l[1][0] * y[0] + block->l[1][1] * y[1];
+}
+
+/* x = S^-1 y - L' x_next, in place of y. */
+HAFT_INLINE void backward(const band_block *block, double *y, const double *next) {
+    double x0 = block->inverse[0] * y[0] + block->inverse[1] * y[1];
+    double x1 = block->inverse[1] * y[0] + block->inverse[2] * y[1];
+    y[0] = x0 - (block->l[0][0] * next[0] + block->l[1][0] * next[1]);
+    y[1] = x1 - (block->l[0][1] * next[0] + block->l[1][1] * next[1]);
+}
+
+/* From the middle block, whose number is that of the blocks before it, outwards. */
+HAFT_INLINE void solve_outwards(const haft_band *band, double *b) {
+    size_t blocks = band->n / 2, middle = blocks / 2;
+    double *y = b + 2 * middle;
+    static const double nothing[2] = {0, 0};
+    backward(&band->block[middle], y, nothing);
+    for (size_t i = 1; i <= middle; i++) {
+        size_t before = middle - i, behind = middle + i;
+        backward(&band->block[before], b + 2 * before, b + 2 * before + 2);
+        if (behind < blocks) {
+            backward(&band->block[behind], b + 2 * behind, b + 2 * behind - 2);
         }
     }
 }
 
-bool haft_band_update(haft_band *band, const double *values, double *b) {
-    size_t blocks = band->n / 2;
-    const int *diagonal = band->diagonal;
-    double s00 = values[diagonal[0]], s01 = values[diagonal[0] + 1], s11 = values[diagonal[1]];
-    double largest = 0, check = 0;
-    band->inertia = (haft_inertia){0, INFINITY};
-    for (size_t k = 0; k < blocks; k++) {
-        band_block *block = &band->block[k];
-        double inverse = 1 / (s00 * s11 - s01 * s01);
-        block->inverse[0] = s11 * inverse;
-        block->inverse[1] = -s01 * inverse;
-        block->inverse[2] = s00 * inverse;
-        check += inverse;
-        count_pivot(&band->inertia, s00, &largest);
-        count_pivot(&band->inertia, 1 / block->inverse[2], &largest);
-        if (k + 1 == blocks) {
-            break;
-        }
-        const double *left = values + diagonal[2 * k], *right = values + diagonal[2 * k + 1];
-        const double c00 = left[2], c10 = left[3], c01 = right[1], c11 = right[2];
-        /* C adj(S), whose product with the inverse of det S is L */
-        const double m00 = c00 * s11 - c01 * s01, m01 = c01 * s00 - c00 * s01;
-        const double m10 = c10 * s11 - c11 * s01, m11 = c11 * s00 - c10 * s01;
-        block->l[0][0] = m00 * inverse;
-        block->l[0][1] = m01 * inverse;
-        block->l[1][0] = m10 * inverse;
-        block->l[1][1] = m11 * inverse;
-        const double *next = values + diagonal[2 * k + 2];
-        s00 = next[0] - (m00 * c00 + m01 * c01) * inverse;
-        s01 = next[1] - (m10 * c00 + m11 * c01) * inverse;
-        s11 = values[diagonal[2 * k + 3]] - (m10 * c10 + m11 * c11) * inverse;
+HAFT_INLINE bool update(haft_band *band, const double *values, double *b) {
+    size_t blocks = band->n / 2, middle = blocks / 2, last = blocks - 1;
+    symmetric front = diagonal_block(band, values, 0), back = diagonal_block(band, values, last);
+    symmetric taken = {0, 0, 0};
+    tally t = {.least = INFINITY};
+    for (size_t i = 0; i < middle; i++) {
+        band_block *block = &band->block[i];
+        front = subtract(diagonal_block(band, values, i + 1),
+                         eliminate(block, front, to_next(band, values, i), &t));
         if (b != NULL) {
-            forward(block, b + 2 * k, 1, band->n);
+            forward(block, b + 2 * i, b + 2 * i + 2);
+        }
+        size_t k = last - i;
+        if (k > middle) {
+            block = &band->block[k];
+            taken = eliminate(block, back, to_previous(band, values, k), &t);
+            back = subtract(diagonal_block(band, values, k - 1), taken);
+            if (b != NULL) {
+                forward(block, b + 2 * k, b + 2 * k - 2);
+            }
         }
     }
-    band->inertia.least_pivot /= largest;
+    eliminate(&band->block[middle], subtract(front, taken), (coupling){0, 0, 0, 0}, &t);
+    band->inertia = (haft_inertia){t.negative, t.least / t.largest};
     if (b != NULL) {
-        backward(band, b, 1);
+        solve_outwards(band, b);
     }
-    return isfinite(check + largest); /* after a vanished pivot nothing is */
+    return isfinite(t.check + t.largest); /* after a vanished pivot nothing is */
 }
 
-HAFT_INLINE void solve(const haft_band *band, double *b, int columns) {
-    for (size_t k = 0; k + 1 < band->n / 2; k++) {
-        forward(&band->block[k], b + 2 * k, columns, band->n);
-    }
-    backward(band, b, columns);
+HAFT_CLONES bool haft_band_update(haft_band *band, const double *values, double *b) {
+    return b == NULL ? update(band, values, NULL) : update(band, values, b);
 }
 
-void haft_band_solve(haft_band *band, double *b, int columns) {
-    for (; columns > 1; columns -= 2, b += 2 * band->n) {
-        solve(band, b, 2); /* two side by side wait no longer than one */
+HAFT_INLINE void solve(const haft_band *band, double *b) {
+    size_t blocks = band->n / 2, middle = blocks / 2;
+    for (size_t i = 0; i < middle; i++) {
+        forward(&band->block[i], b + 2 * i, b + 2 * i + 2);
+        size_t k = blocks - 1 - i;
+        if (k > middle) {
+            forward(&band->block[k], b + 2 * k, b + 2 * k - 2);
+        }
     }
-    if (columns == 1) {
-        solve(band, b, 1);
+    solve_outwards(band, b);
+}
+
+HAFT_CLONES void haft_band_solve(haft_band *band, double *b, int columns) {
+    for (int c = 0; c < columns; c++) {
+        solve(band, b + (size_t)c * band->n);
     }
 }
 
