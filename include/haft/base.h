@@ -26,11 +26,25 @@ extern "C" {
 #define HAFT_MUST_CHECK
 #endif
 
+/** 1 where a sanitizer that needs its runtime first is compiled in. */
+#if defined(__SANITIZE_ADDRESS__)
+#define HAFT_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HAFT_SANITIZED 1
+#endif
+#endif
+#ifndef HAFT_SANITIZED
+#define HAFT_SANITIZED 0
+#endif
+
 /** Compiles a function for several widths of vector and chooses when the program starts. Products
  * are never fused with sums (-ffp-contract=off), so the bits are the same whichever is chosen. The
- * choice needs glibc's loader, and runs before a sanitizer is set up. */
-#if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&       \
-    !defined(__SANITIZE_ADDRESS__)
+ * choice needs glibc's loader, and runs before a sanitizer is set up. For static functions alone,
+ * each of a name of its own: Clang 14 makes their resolvers global, and links no other file to
+ * clones. */
+#if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) &&                              \
+    (!defined(__clang__) || __clang_major__ >= 14) && !HAFT_SANITIZED
 #define HAFT_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define HAFT_CLONES /**< nothing, where the choice cannot be made */

@@ -211,15 +211,24 @@ HAFT_INLINE void displace(const haft_model *model, const haft_stretch *s, const 
     }
 }
 
-HAFT_CLONES void haft_stretch_displacements(const haft_model *model, const haft_stretch *s,
-                                            const double *v, double *w) {
+HAFT_CLONES static void find_displacements(const haft_model *model, const haft_stretch *s,
+                                           const double *v, double *w) {
     displace(model, s, v, NULL, w);
 }
 
-HAFT_CLONES void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u,
-                                   double *d) {
+HAFT_CLONES static void find_gaps(const haft_model *model, const haft_stretch *s, const double *u,
+                                  double *d) {
     double gap = model->gap;
     displace(model, s, u, &gap, d);
+}
+
+void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
+                                double *w) {
+    find_displacements(model, s, v, w);
+}
+
+void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u, double *d) {
+    find_gaps(model, s, u, d);
 }
 
 /* How many of a run's sites, from the first on, stay farther than `reach` from the substrate. */
@@ -321,9 +330,9 @@ HAFT_INLINE void scatter_stiffness(const double *share, size_t sites, const doub
     add_columns(hessian, slot + 2, &far);
 }
 
-HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t nil,
-                                       const double *force, const double *stiffness,
-                                       double *gradient, double *hessian) {
+HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s, size_t nil,
+                                 const double *force, const double *stiffness, double *gradient,
+                                 double *hessian) {
     const haft_layout *layout = model->layout;
     size_t start = s->first + nil, end = s->first + haft_stretch_sites(model, s);
     const haft_run *run = &layout->run[s->first_run];
@@ -351,6 +360,12 @@ HAFT_CLONES void haft_stretch_assemble(const haft_model *model, const haft_stret
                           gradient, hessian);
         }
     }
+}
+
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t nil,
+                           const double *force, const double *stiffness, double *gradient,
+                           double *hessian) {
+    assemble(model, s, nil, force, stiffness, gradient, hessian);
 }
 
 void haft_model_displacements(const haft_model *model, const double *v, double *w) {

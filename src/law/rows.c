@@ -94,6 +94,9 @@ HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bound
                                 bool walls, asked what, const double *d, double *restrict force,
                                 double *restrict slope, double *restrict curvature,
                                 double *restrict potential) {
+    double gap[LANES];
+    memcpy(gap, d, sizeof gap);
+#pragma omp simd
     for (size_t i = 0; i < LANES; i++) {
         haft_wings w = {v[i],
                         v[stride + i],
@@ -105,7 +108,7 @@ HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bound
                         v[7 * stride + i],
                         v[8 * stride + i],
                         v[9 * stride + i]};
-        haft_law_value x = haft_law_wings_evaluate(w, d[i], bounds, walls);
+        haft_law_value x = haft_law_wings_evaluate(w, gap[i], bounds, walls);
         force[i] = x.force;
         if (what != FORCE) {
             slope[i] = x.slope;

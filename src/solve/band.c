@@ -198,11 +198,19 @@ HAFT_INLINE bool update(haft_band *band, const double *values, double *b) {
     return isfinite(t.check + t.largest); /* after a vanished pivot nothing is */
 }
 
-HAFT_CLONES bool haft_band_update(haft_band *band, const double *values, double *b) {
-    return b == NULL ? update(band, values, NULL) : update(band, values, b);
+HAFT_CLONES static bool factor_alone(haft_band *band, const double *values) {
+    return update(band, values, NULL);
 }
 
-HAFT_INLINE void solve(const haft_band *band, double *b) {
+HAFT_CLONES static bool factor_and_solve(haft_band *band, const double *values, double *b) {
+    return update(band, values, b);
+}
+
+bool haft_band_update(haft_band *band, const double *values, double *b) {
+    return b == NULL ? factor_alone(band, values) : factor_and_solve(band, values, b);
+}
+
+HAFT_CLONES static void solve_one(const haft_band *band, double *b) {
     size_t blocks = band->n / 2, middle = blocks / 2;
     for (size_t i = 0; i < middle; i++) {
         forward(&band->block[i], b + 2 * i, b + 2 * i + 2);
@@ -214,9 +222,9 @@ HAFT_INLINE void solve(const haft_band *band, double *b) {
     solve_outwards(band, b);
 }
 
-HAFT_CLONES void haft_band_solve(haft_band *band, double *b, int columns) {
+void haft_band_solve(haft_band *band, double *b, int columns) {
     for (int c = 0; c < columns; c++) {
-        solve(band, b + (size_t)c * band->n);
+        solve_one(band, b + (size_t)c * band->n);
     }
 }
 

@@ -76,7 +76,7 @@ static bool solve_damped(haft_tracker *t, double dt, double *b) {
            haft_factor_inertia(t->factor).negative == 0;
 }
 
-HAFT_CLONES static void scale(size_t n, double factor, const double *a, double *out) {
+HAFT_CLONES static void multiply_by(size_t n, double factor, const double *a, double *out) {
     for (size_t k = 0; k < n; k++) {
         out[k] = factor * a[k];
     }
@@ -107,7 +107,7 @@ HAFT_CLONES static void conclude(size_t n, const double *u, double *const *stage
 /* One step from `from`, whose gradient and Hessian are at hand and stay so, into `to`; its embedded
  * error is left in t->scratch[0]. @return false if it must be shorter. */
 static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt) {
-    scale(t->n, -1, t->gradient, t->stage[0]);
+    multiply_by(t->n, -1, t->gradient, t->stage[0]);
     if (!solve_damped(t, dt, t->stage[0])) {
         return false;
     }
@@ -142,7 +142,7 @@ static bool is_settling(flow_step before, flow_step last) {
 /* Whether the state evaluated last is stable and Newton would move it little. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
     double *step = t->scratch[1];
-    scale(t->n, -1, t->gradient, step);
+    multiply_by(t->n, -1, t->gradient, step);
     if (!haft_tracker_factor_solve(t, t->hessian, step) ||
         haft_factor_inertia(t->factor).negative != 0) {
         return false;
