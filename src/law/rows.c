@@ -120,17 +120,16 @@ HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bound
     }
 }
 
-/* Four numbers, and what comparing them gives: all bits or none. */
-typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
-typedef int64_t quad_bits __attribute__((vector_size(32)));
-
 /* Whether any of LANES gaps lies behind its law's wall, which nearly none does: most are spared the
- * walls. By hand, since compilers see no vector in it. */
+ * walls. */
 HAFT_INLINE bool any_behind_wall(const double *v, size_t stride, const double *d) {
-    _Static_assert(LANES == 8, "lanes are two quads");
-    const quad *gap = (const quad *)d, *wall = (const quad *)(v + WALL * stride);
-    const quad_bits first = gap[0] < wall[0], second = gap[1] < wall[1], any = first | second;
-    return (any[0] | any[1] | any[2] | any[3]) != 0;
+    const double *wall = v + WALL * stride;
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (size_t i = 0; i < LANES; i++) {
+        any |= d[i] < wall[i];
+    }
+    return any != 0;
 }
 
 /* The values of LANES laws from law i on, to where those go. */

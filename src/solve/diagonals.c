@@ -87,20 +87,27 @@ static double row_product(const haft_diagonals *d, size_t n, const double *x, si
 /* LANES rows from row i on, none of them as near to an end as the widest diagonal is wide. */
 HAFT_INLINE void multiply_rows(const haft_diagonals *d, size_t i, double factor, const double *x,
                                const double *less, double *restrict out) {
-    octet sum = {0};
+    double sum[LANES] = {0};
     for (size_t k = 0; k < d->count; k++) {
         size_t offset = d->offset[k];
-        const double *a = d->value + k * d->n + i;
-        sum += *(const octet *)a * *(const octet *)(x + i + offset);
-        if (offset > 0) {
-            sum += *(const octet *)(a - offset) * *(const octet *)(x + i - offset);
+        const double *a = d->value + k * d->n + i, *right = x + i + offset, *left = x + i - offset;
+#pragma omp simd
+        for (size_t l = 0; l < LANES; l++) {
+            sum[l] += a[l] * right[l];
+        }
+        if (offset == 0) {
+            continue;
+        }
+        const double *mirrored = a - offset;
+#pragma omp simd
+        for (size_t l = 0; l < LANES; l++) {
+            sum[l] += mirrored[l] * left[l];
         }
     }
-    sum *= factor;
-    if (less != NULL) {
-        sum -= *(const octet *)(less + i);
+#pragma omp simd
+    for (size_t l = 0; l < LANES; l++) {
+        out[i + l] = factor * sum[l] - (less != NULL ? less[i + l] : 0);
     }
-    *(octet *)(out + i) = sum;
 }
 
 /* The rows between those near the ends, the last of them together with some before them again.

@@ -3,11 +3,7 @@
 #ifndef HAFT_SOLVE_LANES_H
 #define HAFT_SOLVE_LANES_H
 
-#include <stdint.h>
-
-/* As many as are gone through together; and what comparing them gives: all bits or none. */
+/* As many as the innermost loops go through together. */
 enum { LANES = 8 };
-typedef double octet __attribute__((vector_size(64), aligned(8), may_alias));
-typedef int64_t octet_bits __attribute__((vector_size(64), aligned(8), may_alias));
 
 #endif
