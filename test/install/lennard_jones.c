@@ -3,9 +3,9 @@
  *
  *     f(d) = (8 w / (3 z)) ((z/d)^9 - (z/d)^3),    Phi(d) = (w/3) ((z/d)^8 - 4 (z/d)^2),
  *
- * of adhesion energy w and equilibrium distance z, as tools/doc/extending.md tells how to add it: a
- * table of the curve, one law a site, a path. Everything that comes out is held against closed
- * forms that know nothing of the table or of the finite elements.
+ * of adhesion energy w and equilibrium distance z, made as tools/doc/architecture.md says: a table
+ * of the curve, one law a site, a path. All that comes out is compared with closed forms that know
+ * nothing of the table or of the finite elements.
  *
  *     cc lennard_jones.c $(pkg-config --cflags --libs haft) -lm -o lennard_jones && ./lennard_jones
  */
