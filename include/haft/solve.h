@@ -20,8 +20,17 @@ typedef struct haft_programme {
     double load_limit;   /**< and no further than this [N]; INFINITY for none */
 } haft_programme;
 
+/** What factors the Hessian. Both give the same states to rounding. */
+typedef enum haft_linear_solver {
+    HAFT_LINEAR_SOLVER_AUTO, /**< KLU behind KINSOL, the band solver for certificates and landings
+                              */
+    HAFT_LINEAR_SOLVER_KLU,  /**< KLU everywhere: sparse LU without pivoting */
+    HAFT_LINEAR_SOLVER_BAND, /**< the band solver everywhere: block L D L' along the beam */
+} haft_linear_solver;
+
 /** How finely the path is followed. Zero in a field asks for its default. */
 typedef struct haft_path_options {
+    haft_linear_solver linear_solver; /**< HAFT_LINEAR_SOLVER_AUTO */
     double gap_step;           /**< largest move of a gap in a step, in ranges of its law; 0.5 */
     double ledger_tolerance;   /**< what the ledger of energy, work and dissipation may miss at any
                                     time, relative to all the work done; 1e-10 */

@@ -223,13 +223,15 @@ static haft_status convert(const haft_units *units, double number, const char *g
     haft_status status = HAFT_OK;
     locale_t kept = uselocale(units->plain);
     ut_unit *to = ut_parse(units->system, wanted, UT_UTF8);
-    bool exhausted = to == NULL && ut_get_status() == UT_OS;
-    ut_unit *from = to != NULL ? ut_parse(units->system, given, UT_UTF8) : NULL;
-    exhausted = exhausted || (to != NULL && from == NULL && ut_get_status() == UT_OS);
+    bool exhausted = ut_get_status() == UT_OS;
+    ut_unit *from = to != NULL && !exhausted ? ut_parse(units->system, given, UT_UTF8) : NULL;
+    exhausted = exhausted || ut_get_status() == UT_OS;
     uselocale(kept);
     if (exhausted) {
-        status = no_memory(text, error);
-    } else if (to == NULL) {
+        /* what UDUNITS-2 returns then cannot always be freed */
+        return no_memory(text, error);
+    }
+    if (to == NULL) {
         status = haft_error_set(error, HAFT_ERROR_ARGUMENT, "\"%s\" is no unit", wanted);
     } else if (from == NULL) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,

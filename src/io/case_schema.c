@@ -31,6 +31,7 @@ static const char *const bounds[] = {"strict", "paper", NULL};
 static const char *const component_orders[] = {"falling", "rising", NULL};
 static const char *const curves[] = {"all", "needed", NULL};
 static const char *const meshes[] = {"uniform", "exact", "active", NULL};
+static const char *const linear_solvers[] = {"auto", "klu", "band", NULL};
 
 /* A choice is stored through an int, and a pair as two doubles in a row. */
 _Static_assert(sizeof(haft_asperity_model) == sizeof(int), "enums are ints");
@@ -276,6 +277,8 @@ const haft_key haft_case_keys[] = {
     REAL("load.limit", "N", POSITIVE, .fallback = "none", .example = "1 mN",
          .offset = AT(programme.load_limit)),
 
+    CHOICE("path.linear_solver", linear_solvers, .fallback = "auto", .example = "band",
+           .offset = AT(path.linear_solver)),
     REAL("path.gap_step", "1", .low = 0, .high = 1, .high_in = true, .fallback = "0.5",
          .example = "0.5", .offset = AT(path.gap_step)),
     REAL("path.ledger_tolerance", "1", SHARE, .fallback = "1e-10", .example = "1e-10",

@@ -42,7 +42,7 @@ struct haft_corrector {
     double least; /* residual so far, and how often one was not less */
     int rises;
     haft_energy energy;  /* at the last residual: KINSOL ends on it */
-    haft_factor *factor; /* of the Hessian and the border's stiffness, KLU's */
+    haft_factor *factor; /* of the Hessian and the border's stiffness */
     SUNContext context;
     N_Vector y, y_scale, f_scale;
     SUNMatrix matrix;
@@ -237,8 +237,10 @@ haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const h
     }
     c->tracker = t;
     c->n = model->dofs;
-    haft_status status = haft_factor_create(&c->factor, HAFT_FACTOR_KLU, c->n, model->column,
-                                            model->row, model->stiffness, error);
+    haft_factor_kind kind =
+        t->options.linear_solver == HAFT_LINEAR_SOLVER_BAND ? HAFT_FACTOR_BAND : HAFT_FACTOR_KLU;
+    haft_status status = haft_factor_create(&c->factor, kind, c->n, model->column, model->row,
+                                            model->stiffness, error);
     if (status != HAFT_OK) {
         haft_corrector_destroy(&c);
         return status;

@@ -7,14 +7,14 @@
  * elsewhere the factor is used only for its signs or in a bordered system made positive definite.
  * The factors of a leading part of A are those columns of L and U: to KLU, a matrix of that size.
  */
-#include "narrow.h"
+#include "band.h"
 
 #include <klu.h>
 #include <math.h>
 #include <string.h>
 
 struct haft_factor {
-    haft_narrow *narrow; /* NULL: KLU's, which is all that follows */
+    haft_band *band; /* NULL: KLU, which the other members are for */
     klu_common common;
     klu_symbolic *symbolic;
     klu_numeric *numeric;
@@ -111,12 +111,12 @@ haft_status haft_factor_create(haft_factor **out, haft_factor_kind kind, size_t 
     }
     factor->n = (int)n;
     haft_status status = HAFT_OK;
-    if (kind == HAFT_FACTOR_NARROW) {
-        status = haft_narrow_create(&factor->narrow, n, column, row, error);
+    if (kind == HAFT_FACTOR_BAND) {
+        status = haft_band_create(&factor->band, n, column, row, error);
     }
-    if (status == HAFT_OK && factor->narrow == NULL) {
+    if (status == HAFT_OK && factor->band == NULL) {
         status = create_sparse(factor, column, row, values, error);
-    } else if (status == HAFT_OK && !haft_narrow_update(factor->narrow, values)) {
+    } else if (status == HAFT_OK && !haft_band_update(factor->band, values, NULL)) {
         status = singular(error);
     }
     if (status != HAFT_OK) {
@@ -131,7 +131,7 @@ void haft_factor_destroy(haft_factor **factor) {
         return;
     }
     haft_factor *f = *factor;
-    haft_narrow_destroy(&f->narrow);
+    haft_band_destroy(&f->band);
     klu_free_numeric(&f->numeric, &f->common);
     klu_free_symbolic(&f->symbolic, &f->common);
     haft_memory_free(f->column);
@@ -141,23 +141,19 @@ void haft_factor_destroy(haft_factor **factor) {
 }
 
 bool haft_factor_lead(haft_factor *factor, size_t n) {
-    if (factor->narrow == NULL) {
+    if (factor->band == NULL) {
         bool fits = n > 1 && n <= (size_t)factor->symbolic->n;
         if (fits) {
             lead_sparse(factor, (int)n);
         }
         return fits;
     }
-    if (!haft_narrow_lead(factor->narrow, n)) {
-        return false;
-    }
-    factor->n = (int)n;
-    return true;
+    return haft_band_lead(factor->band, n);
 }
 
 bool haft_factor_update(haft_factor *factor, const double *values) {
-    if (factor->narrow != NULL) {
-        return haft_narrow_update(factor->narrow, values);
+    if (factor->band != NULL) {
+        return haft_band_update(factor->band, values, NULL);
     }
     union {
         const double *in;
@@ -169,8 +165,8 @@ bool haft_factor_update(haft_factor *factor, const double *values) {
 }
 
 bool haft_factor_update_solve(haft_factor *factor, const double *values, double *b) {
-    if (factor->narrow != NULL) {
-        return haft_narrow_update_solve(factor->narrow, values, b);
+    if (factor->band != NULL) {
+        return haft_band_update(factor->band, values, b);
     }
     if (!haft_factor_update(factor, values)) {
         return false;
@@ -180,18 +176,16 @@ bool haft_factor_update_solve(haft_factor *factor, const double *values, double 
 }
 
 void haft_factor_solve(haft_factor *factor, double *b, int columns) {
-    if (factor->narrow == NULL) {
+    if (factor->band != NULL) {
+        haft_band_solve(factor->band, b, columns);
+    } else {
         klu_solve(&factor->leading, factor->numeric, factor->n, columns, b, &factor->common);
-        return;
-    }
-    for (int k = 0; k < columns; k++) {
-        haft_narrow_solve(factor->narrow, b + (size_t)k * (size_t)factor->n);
     }
 }
 
 haft_inertia haft_factor_inertia(const haft_factor *factor) {
-    if (factor->narrow != NULL) {
-        return haft_narrow_inertia(factor->narrow);
+    if (factor->band != NULL) {
+        return haft_band_inertia(factor->band);
     }
     const double *pivot = factor->numeric->Udiag;
     haft_inertia inertia = {0, 0};

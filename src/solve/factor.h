@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Symmetric factorization with a fixed pivot order, private to the room: by KLU, or, where the
- * matrix is as narrow as a beam's, by a solver of its own in a quarter of the time (narrow.h). */
+/* The linear solver: a symmetric factorization with a fixed pivot order, by KLU or by a band solver
+ * of our own (band.h). Private to the room. */
 #ifndef HAFT_SOLVE_FACTOR_H
 #define HAFT_SOLVE_FACTOR_H
 
@@ -8,8 +8,8 @@
 
 typedef struct haft_factor haft_factor;
 
-/* Which solver: KLU, or that for narrow matrices where the pattern is one, else KLU. */
-typedef enum haft_factor_kind { HAFT_FACTOR_KLU, HAFT_FACTOR_NARROW } haft_factor_kind;
+/* The band solver takes matrices of beams alone; for another pattern it is KLU. */
+typedef enum haft_factor_kind { HAFT_FACTOR_KLU, HAFT_FACTOR_BAND } haft_factor_kind;
 
 /* Analyses the pattern once; `values` must be positive definite. The pivots are the diagonal's, in
  * their own order. */
@@ -18,21 +18,20 @@ haft_status haft_factor_create(haft_factor **out, haft_factor_kind kind, size_t 
                                haft_error *error);
 void haft_factor_destroy(haft_factor **factor);
 
-/* From the next update on, factors and solves for the leading n unknowns alone, others being held;
- * n of all of them ends that. @return false, and nothing changes, where the solver cannot: there
- * are fewer, or n is less than its least. */
+/* From the next update on, factors and solves the leading n x n block, the other unknowns being
+ * frozen; n of all unknowns ends that. @return false, and nothing changes, where the solver cannot.
+ */
 bool haft_factor_lead(haft_factor *factor, size_t n);
 
 /* Refactors. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);
 
-/* The same, and solves for one right-hand side in place; of a narrow matrix that costs less than to
- * do so after it.
+/* Refactors and solves for one right-hand side in place; the band solver does both in one pass.
  * @return false if a pivot vanished or is not finite: then b holds nothing of use. */
 bool haft_factor_update_solve(haft_factor *factor, const double *values, double *b);
 
-/* Solves in place for `columns` right-hand sides of length n, one after the other; up to four
- * together cost KLU little more than one. */
+/* Solves in place for `columns` right-hand sides of length n, one after the other; several together
+ * cost little more than one. */
 void haft_factor_solve(haft_factor *factor, double *b, int columns);
 
 /* Signs of the pivots of the symmetric L D L': by Sylvester's law, those of the eigenvalues. */

@@ -89,8 +89,10 @@ double haft_zone_unbalance(const haft_tracker *t) {
 
 static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *error) {
     const haft_model *m = zone->model;
-    haft_status status = haft_factor_create(&zone->factor, HAFT_FACTOR_NARROW, m->dofs, m->column,
-                                            m->row, m->stiffness, error);
+    haft_factor_kind kind =
+        t->options.linear_solver == HAFT_LINEAR_SOLVER_KLU ? HAFT_FACTOR_KLU : HAFT_FACTOR_BAND;
+    haft_status status =
+        haft_factor_create(&zone->factor, kind, m->dofs, m->column, m->row, m->stiffness, error);
     if (status == HAFT_OK) {
         status = haft_diagonals_create(&zone->mass, m->dofs, m->column, m->row, m->mass, error);
     }

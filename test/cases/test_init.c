@@ -191,7 +191,9 @@ static void inspects_block_can_be_pasted(void **state) {
         char *text = calloc(1, strlen(block) + strlen(tail) + 100);
         assert_non_null(text);
         sprintf(text, "name: pasted\nseed: 1\n%s\n%s", block, tail);
-        char *whole = replaced(text, "sampler: explicit", "sampler: patches");
+        char *nearer = replaced(text, "from: 6 nm", "from: 1 nm");
+        char *whole = replaced(nearer, "sampler: explicit", "sampler: patches");
+        free(nearer);
         write_file("case.yaml", whole, strlen(whole));
         ran check = run_expect(0, HAFT, ARGS("check", place));
         check_says(check.out, "can be used");

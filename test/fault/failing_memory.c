@@ -7,8 +7,9 @@
  *
  *     failed own|foreign           with the stack of the allocation that was refused
  *     crash SIGNAL own|foreign     with the stack; foreign: inside the same call of a foreign
- *                                  library in which the allocation failed, or inside HDF5, whose
- *                                  handles are numbers: no caller can hand it a null pointer
+ *                                  library in which the allocation failed, in the freeing of a
+ *                                  unit after that, or inside HDF5, whose handles are numbers: no
+ *                                  caller can hand it a null pointer
  *     exit foreign                 a foreign library ended the program
  *     count OWN ALL                at a plain end
  *
@@ -46,7 +47,7 @@ static struct {
 } range[RANGES];
 static size_t ranges;
 
-static bool ready, all, lasts, busy, failed;
+static bool ready, all, lasts, busy, failed, freeing;
 static unsigned long at, own_count, all_count;
 static int log_file = -1;
 static uintptr_t failed_site; /* Haft's innermost frame of the last allocation that failed */
@@ -122,11 +123,21 @@ static void on_crash(int number) {
     uintptr_t site;
     /* the frames of this handler and of the signal lie before the one that crashed */
     int kind = innermost(frame, depth, &site);
-    bool foreign = kind == HDF5 || (kind != OWN && site == failed_site);
+    bool foreign = kind == HDF5 || (kind != OWN && (site == failed_site || freeing));
     tell("crash %d %s\n", number, foreign ? "foreign" : "own");
     tell_stack(frame, depth);
     signal(number, SIG_DFL);
     raise(number);
+}
+
+/* UDUNITS-2 may return a unit whose parts it could not allocate, and then cannot free it. */
+void ut_free(void *unit);
+void ut_free(void *unit) {
+    void (*original)(void *) = NULL;
+    *(void **)&original = dlsym(RTLD_NEXT, "ut_free");
+    freeing = failed && unit != NULL;
+    original(unit);
+    freeing = false;
 }
 
 void exit(int code) {

@@ -49,7 +49,7 @@ static void notes_are_shown(void **state) {
 
     char *demo = read_whole_file(HAFT_SOURCE_DIR "/cases/afm-demo/case.yaml", NULL);
     char *ours = replaced(demo, "[surface.gsf]", "[a.spm]");
-    char *text = replaced(ours, "grid_step: 10 nm", "grid_step: 5 nm");
+    char *text = replaced(ours, "grid_step: 10 nm", "grid_step: 5 nm\n  kernel_tolerance: 1e-3");
     write_file(path_in(&c, "case.yaml", yaml), text, strlen(text));
     free(demo);
     free(ours);

@@ -418,9 +418,8 @@ static void check_names(const char *file, const char *const *names, const char *
 }
 
 static const char *const root_names[] = {
-    "format", "layout_version", "haft_version", "haft_revision", "compiler", "hdf5_version",
-    "seed",   "laws_digest",    "case_digest",  "case",          "contents_digest",
-    NULL};
+    "format", "layout_version", "haft_version", "haft_revision", "compiler",        "hdf5_version",
+    "seed",   "laws_digest",    "case_digest",  "case",          "contents_digest", NULL};
 static const char *const laws_names[] = {"/curves/distance",
                                          "/curves/force",
                                          "/curves/zero_distance",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fifty random beams, each followed by six ways of stepping: the same jumps at the same loads, and
+/* Fifty random beams, each followed in eight ways: the same jumps at the same loads, and
  * the same end. */
 #include "random_beam.h"
 
@@ -13,6 +13,8 @@ static const struct {
     {"flow steps ten times", {.flow_step = 1}},
     {"ledger a hundredth", {.ledger_tolerance = 1e-12}},
     {"residual a hundredth", {.residual_tolerance = 1e-13}},
+    {"KLU alone", {.linear_solver = HAFT_LINEAR_SOLVER_KLU}},
+    {"the band solver alone", {.linear_solver = HAFT_LINEAR_SOLVER_BAND}},
 };
 enum { WAYS = sizeof ways / sizeof *ways, BEAMS = 50 };
 

@@ -204,7 +204,7 @@ static void drop_reference(const bench *b, haft_path **reference) {
     }
 }
 
-/* ---- the four sweeps ---- */
+/* ---- the sweeps ---- */
 
 static const haft_path_options defaults = {
     .gap_step = 0.5, .ledger_tolerance = 1e-10, .flow_step = 0.1};
@@ -259,6 +259,20 @@ static void sweep_steps(const bench *b) {
     drop_reference(b, reference);
 }
 
+/* All against the finest steps; value 0 is auto, 1 KLU, 2 the band solver. */
+static void sweep_linear_solvers(const bench *b) {
+    double length = b->c->mesh.kind == HAFT_MESH_UNIFORM ? b->c->mesh.element_length : 0;
+    haft_path *reference[BEAM_LIMIT];
+    make_reference(b, &(setting){"finest", 0, length, finest}, reference);
+    for (int i = HAFT_LINEAR_SOLVER_AUTO; i <= HAFT_LINEAR_SOLVER_BAND; i++) {
+        setting s = {"linear_solver", i, length, defaults};
+        s.options.linear_solver = (haft_linear_solver)i;
+        score x = judge(b, &s, reference);
+        print_score(b, &s, &x, i == HAFT_LINEAR_SOLVER_AUTO);
+    }
+    drop_reference(b, reference);
+}
+
 static void run(const bench *b) {
     static const char *heads[][2] = {{"cycle", "[s]"}, {"crack", "[um]"}, {"loads", ""},
                                      {"loss", ""},     {"jumps", ""},     {"differ", ""},
@@ -274,7 +288,9 @@ static void run(const bench *b) {
     }
     sweep_elements(b);
     sweep_steps(b);
-    printf("* the default. Errors: root mean square over beams; l_e against the exact mesh, the "
+    sweep_linear_solvers(b);
+    printf("linear_solver: 0 auto (KLU behind KINSOL, else band), 1 klu, 2 band\n"
+           "* the default. Errors: root mean square over beams; l_e against the exact mesh, the "
            "others against the finest steps on the case's mesh\n");
 }
 
