@@ -78,7 +78,7 @@ typedef enum haft_jump_kind {
 typedef enum haft_departure {
     HAFT_DEPARTURE_FOLD,        /**< in a simple fold */
     HAFT_DEPARTURE_BIFURCATION, /**< stability was lost though the load did not turn */
-    HAFT_DEPARTURE_CROWDED,     /**< several eigenvalues vanished at once */
+    HAFT_DEPARTURE_MULTIPLE_FOLD,     /**< several eigenvalues vanished at once */
     HAFT_DEPARTURE_REST,        /**< it did not begin: the unloaded beam, u = 0, feels its laws so
                                      much that it is pulled to another place */
 } haft_departure;

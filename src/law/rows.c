@@ -8,22 +8,22 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = HAFT_LAW_LANES, COLUMNS = 11, WALL = 6, NIL = 10 };
+enum { LANES = HAFT_LAW_LANES, COLUMNS = 11, WALL = 6, ZERO = 10 };
 
 struct haft_law_rows {
     size_t laws, stride;
-    haft_wings_bounds bounds; /* kept here, so that no compiler reckons with their values */
-    double *value;            /* COLUMNS rows of the wings' numbers, stride each; beyond the gaps in
-                                 the last, nothing */
-    size_t tables;            /* how many there are */
-    haft_table_head *table;   /* laws: nil where not one */
+    haft_wings_bounds bounds; /* kept here, so that no compiler optimizes for their values */
+    double *value;          /* COLUMNS rows of the wings' numbers, stride each; the last is the gap
+                               beyond which a law is zero */
+    size_t tables;          /* how many there are */
+    haft_table_head *table; /* laws: zero where a law is no table */
 };
 
-/* A gap surely beyond which a law is nil by its evaluation, whose rounding it leaves room for; of
- * numbers that are none, no gap is. */
-static double nil_beyond(haft_wings w) {
+/* The gap beyond which a law evaluates to zero, with room for rounding; -INFINITY for empty lanes.
+ */
+static double zero_beyond(haft_wings w) {
     if (w.a_right == 0) {
-        return -INFINITY; /* no Morse law: a lane to spare, or a table's */
+        return -INFINITY; /* no Morse law: an empty lane, or a table's */
     }
     double beyond = w.d_max + (1 + 1e-9) * HAFT_LAW_NIL / w.a_right + 0x1p-50 * fabs(w.d_max);
     return beyond < w.wall_distance ? w.wall_distance : beyond;
@@ -32,7 +32,7 @@ static double nil_beyond(haft_wings w) {
 static void put(haft_law_rows *rows, size_t i, haft_wings w) {
     const double number[COLUMNS] = {w.f_max,      w.d_max,          w.a_left,        w.a_right,
                                     w.half_left,  w.length_right,   w.wall_distance, w.wall_force,
-                                    w.wall_slope, w.wall_potential, nil_beyond(w)};
+                                    w.wall_slope, w.wall_potential, zero_beyond(w)};
     for (size_t k = 0; k < COLUMNS; k++) {
         rows->value[k * rows->stride + i] = number[k];
     }
@@ -76,11 +76,11 @@ void haft_law_rows_destroy(haft_law_rows **rows) {
     *rows = NULL;
 }
 
-/* Whether none of LANES laws is anything: a free span. Beams lie down from their ends, so that the
- * last of them tells first. */
-HAFT_INLINE bool all_nil(const double *v, size_t stride, const double *d) {
+/* Whether all of LANES laws are zero: a free span. Beams lie down from their ends, so the last lane
+ * decides soonest. */
+HAFT_INLINE bool all_zero(const double *v, size_t stride, const double *d) {
     size_t i = LANES;
-    while (i > 0 && d[i - 1] > v[NIL * stride + i - 1]) {
+    while (i > 0 && d[i - 1] > v[ZERO * stride + i - 1]) {
         i--;
     }
     return i == 0;
@@ -89,7 +89,7 @@ HAFT_INLINE bool all_nil(const double *v, size_t stride, const double *d) {
 /* Which values are asked for. */
 typedef enum asked { FORCE, NO_CURVATURE, ALL } asked;
 
-/* LANES laws, the first's numbers at v. */
+/* Evaluates LANES laws, whose numbers begin at v. */
 HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bounds bounds,
                                 bool walls, asked what, const double *d, double *restrict force,
                                 double *restrict slope, double *restrict curvature,
@@ -140,7 +140,7 @@ HAFT_INLINE void evaluate_from(const haft_law_rows *rows, const double *v, bool 
                    what != FORCE ? out->potential + i : NULL);
 }
 
-HAFT_INLINE void set_nil(asked what, const haft_law_values *out, size_t i) {
+HAFT_INLINE void set_zero(asked what, const haft_law_values *out, size_t i) {
     memset(out->force + i, 0, LANES * sizeof(double));
     if (what != FORCE) {
         memset(out->slope + i, 0, LANES * sizeof(double));
@@ -153,12 +153,12 @@ HAFT_INLINE void set_nil(asked what, const haft_law_values *out, size_t i) {
 
 HAFT_INLINE size_t evaluate_asked(const haft_law_rows *rows, size_t first, size_t n,
                                   const double *d, asked what, const haft_law_values *out) {
-    size_t nil = 0;
+    size_t zeros = 0;
     for (size_t i = 0; i < n; i += LANES) {
         const double *v = rows->value + first + i;
-        if (all_nil(v, rows->stride, d + i)) {
-            set_nil(what, out, i);
-            nil += nil == i ? LANES : 0;
+        if (all_zero(v, rows->stride, d + i)) {
+            set_zero(what, out, i);
+            zeros += zeros == i ? LANES : 0;
             continue;
         }
         if (any_behind_wall(v, rows->stride, d + i)) {
@@ -167,7 +167,7 @@ HAFT_INLINE size_t evaluate_asked(const haft_law_rows *rows, size_t first, size_
             evaluate_from(rows, v, false, what, d, out, i);
         }
     }
-    return nil < n ? nil : n;
+    return zeros < n ? zeros : n;
 }
 
 HAFT_CLONES static size_t evaluate_wings(const haft_law_rows *rows, size_t first, size_t n,
@@ -182,7 +182,7 @@ HAFT_CLONES static size_t evaluate_wings(const haft_law_rows *rows, size_t first
     }
 }
 
-/* Of n laws evaluated, how many give nothing, from the first on, in whole lanes. */
+/* How many of n evaluated laws are zero, counted from the first, in whole lanes. */
 static size_t count_nil(size_t n, const haft_law_values *out) {
     size_t i = 0;
     while (i < n && out->force[i] == 0 &&
@@ -196,15 +196,15 @@ static size_t count_nil(size_t n, const haft_law_values *out) {
 size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                               const haft_law_values *out) {
     asked what = out->slope == NULL ? FORCE : out->curvature == NULL ? NO_CURVATURE : ALL;
-    size_t nil = 0;
+    size_t zeros = 0;
     if (rows->tables < rows->laws) {
-        nil = evaluate_wings(rows, first, n, d, what, out);
+        zeros = evaluate_wings(rows, first, n, d, what, out);
     } else if (n > 0) {
-        set_nil(what, out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
+        set_zero(what, out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
     }
     if (rows->tables > 0) {
         haft_law_tables_evaluate(rows->table + first, n, d, out);
-        nil = count_nil(n, out);
+        zeros = count_nil(n, out);
     }
-    return nil;
+    return zeros;
 }

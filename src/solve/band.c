@@ -76,7 +76,7 @@ void haft_band_destroy(haft_band **band) {
     *band = NULL;
 }
 
-bool haft_band_lead(haft_band *band, size_t n) {
+bool haft_band_use_leading(haft_band *band, size_t n) {
     bool fits = n > 0 && n % 2 == 0 && n <= band->capacity;
     band->n = fits ? n : band->n;
     return fits;

@@ -15,7 +15,7 @@ void haft_band_destroy(haft_band **band);
 
 /* From the next update on the matrix is its leading n x n block, n not above what it was made for.
  * @return false, and nothing changes, if n is odd or 0. */
-bool haft_band_lead(haft_band *band, size_t n);
+bool haft_band_use_leading(haft_band *band, size_t n);
 
 /* Factors, and with b solves for one right-hand side in place; b may be NULL.
  * @return false if a pivot vanished or is not finite: then b holds nothing of use. */

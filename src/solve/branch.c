@@ -2,7 +2,7 @@
 /* One step along a stable branch.
  *
  * Prediction by the branch's first two derivatives, correction by KINSOL at the new value of the
- * control, certification by the pivots of H alone, and a ledger: the energy gained must equal the
+ * parameter, certification by the pivots of H alone, and a ledger: the energy gained must equal the
  * work of the load, integrated from both ends' derivatives (quintic, error O(dtau^7)). The ledger
  * bounds the step's size, and a step that hopped to another branch shows in it as energy missing.
  */
@@ -105,8 +105,8 @@ haft_inertia haft_branch_certify(haft_tracker *t) {
     return haft_factor_inertia(t->factor);
 }
 
-/* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with the control's own second derivative nil. */
-static void second_derivatives(haft_tracker *t, const haft_state *state, haft_control control,
+/* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with the parameter's own second derivative nil. */
+static void second_derivatives(haft_tracker *t, const haft_state *state, haft_parameter parameter,
                                int side, double rate, haft_branch *out) {
     const haft_model *m = t->model;
     double *d = t->site[0], *force = t->site[1], by_control = 1 / rate, unit = 1 / m->energy_unit;
@@ -127,28 +127,28 @@ static void second_derivatives(haft_tracker *t, const haft_state *state, haft_co
     haft_tracker_solve(t, out->u2);
     refine_all(t, out->u2, ENOUGH_OF_SECOND);
     out->load2 = 0;
-    if (control.site != NULL) {
-        out->load2 = -haft_tracker_row(t, control.site, out->u2) / rate;
+    if (parameter.site != NULL) {
+        out->load2 = -haft_tracker_row(t, parameter.site, out->u2) / rate;
         for (size_t i = 0; i < t->n; i++) {
             out->u2[i] += out->load2 * t->solution[i];
         }
     }
 }
 
-void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_control control, int side,
-                        haft_branch *out) {
-    double rate = control.site == NULL ? 1 : haft_tracker_row(t, control.site, t->solution);
+void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_parameter parameter,
+                        int side, haft_branch *out) {
+    double rate = parameter.site == NULL ? 1 : haft_tracker_row(t, parameter.site, t->solution);
     for (size_t i = 0; i < t->n; i++) {
         out->u1[i] = t->solution[i] / rate;
     }
     out->load1 = 1 / rate;
-    second_derivatives(t, state, control, side, rate, out);
+    second_derivatives(t, state, parameter, side, rate, out);
 }
 
-double haft_branch_rebase(const haft_tracker *t, haft_control control, haft_branch *branch) {
-    bool by_load = control.site == NULL;
-    double a = by_load ? branch->load1 : haft_tracker_row(t, control.site, branch->u1);
-    double b = by_load ? branch->load2 : haft_tracker_row(t, control.site, branch->u2);
+double haft_branch_rebase(const haft_tracker *t, haft_parameter parameter, haft_branch *branch) {
+    bool by_load = parameter.site == NULL;
+    double a = by_load ? branch->load1 : haft_tracker_row(t, parameter.site, branch->u1);
+    double b = by_load ? branch->load2 : haft_tracker_row(t, parameter.site, branch->u2);
     for (size_t i = 0; i < t->n; i++) {
         branch->u2[i] = (branch->u2[i] - branch->u1[i] * (b / a)) / (a * a);
         branch->u1[i] /= a;
@@ -230,14 +230,14 @@ void haft_branch_book(haft_tracker *t, haft_step *step) {
     step->work = haft_branch_work(t, step->dtau);
     step->defect = total(t->next.energy) - total(t->here.energy) - step->work;
     step->allowed = t->options.ledger_tolerance * fabs(step->work);
-    if (haft_tracker_meets_knots(t, step->control)) {
+    if (haft_tracker_meets_knots(t, step->parameter)) {
         step->allowed = fmax(step->allowed, SPENT * t->ledger_left);
     }
     step->allowed += haft_tracker_rounding(&t->here, &t->next);
 }
 
-double haft_branch_defect_order(const haft_tracker *t, haft_control control) {
-    return haft_tracker_meets_knots(t, control) ? 3 : 6;
+double haft_branch_defect_order(const haft_tracker *t, haft_parameter parameter) {
+    return haft_tracker_meets_knots(t, parameter) ? 3 : 6;
 }
 
 static double load_rate(const quintic *p, double s) {
@@ -271,7 +271,7 @@ static double deepest_dip(const haft_tracker *t, double dtau, double *depth) {
 
 haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction) {
     haft_branch_predict(t, step->dtau);
-    double value = haft_control_value(t, step->control, &t->here) + step->dtau;
+    double value = haft_parameter_value(t, step->parameter, &t->here) + step->dtau;
     step->moved = INFINITY;
     step->defect = INFINITY;
     step->allowed = 0;
@@ -279,7 +279,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (t->at > 0 && !haft_zone_is_clear(t, t->next.u)) {
         return HAFT_STEP_LEAVES; /* on to a wider mesh, before any work is done on this one */
     }
-    if (!haft_corrector_solve(t, step->control, value, &t->next)) {
+    if (!haft_corrector_solve(t, step->parameter, value, &t->next)) {
         return HAFT_STEP_REJECTED;
     }
     step->failure = HAFT_OUTCOME_BRANCH_LOST;
@@ -297,7 +297,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
         return HAFT_STEP_REJECTED;
     }
     step->failure = HAFT_OUTCOME_FOLD_LOST;
-    haft_branch_derive(t, &t->next, step->control, -step->sign, &t->end);
+    haft_branch_derive(t, &t->next, step->parameter, -step->sign, &t->end);
     haft_branch_book(t, step);
     bool turned = t->end.load1 * step->sign * direction <= 0;
     if (step->inertia.negative > 0) {
@@ -308,12 +308,12 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     }
     if (fabs(step->defect) > step->allowed) {
         step->failure = HAFT_OUTCOME_LEDGER_OPEN;
-        return HAFT_STEP_AMISS;
+        return HAFT_STEP_ENERGY_CHECK_FAILED;
     }
     step->failure = HAFT_OUTCOME_STEP_STALLED;
     double depth = 1, where = 0;
-    if (step->control.site != NULL &&
-        fabs(step->dtau) * t->model->gap > DIP_STEP * t->range[step->control.index]) {
+    if (step->parameter.site != NULL &&
+        fabs(step->dtau) * t->model->gap > DIP_STEP * t->range[step->parameter.index]) {
         where = deepest_dip(t, step->dtau, &depth);
     }
     bool inside = where > DIP_EDGE && where < 1 - DIP_EDGE;

@@ -5,7 +5,7 @@
  *
  * with a linear solver of our own: SUNDIALS' KLU module analyses the pattern anew in each KINSol
  * call, pivots where symmetry should be kept, and knows no border. Ours adds kappa c c' (c the
- * control's row) to H, which changes nothing where the constraint holds but keeps the matrix
+ * parameter's row) to H, which changes nothing where the constraint holds but keeps the matrix
  * definite through a simple fold, and eliminates the border with two solves. The matrix that KINSOL
  * is given is a name for the tracker's own Hessian, so that nothing is copied. */
 #include "tracker.h"
@@ -28,13 +28,13 @@ enum { RISES = 2 };
  * energy_unit / gap: an unloaded beam far above its substrate has none. */
 #define LEAST_FORCE 1e-3
 
-/* What rounding makes of a control's value, as a share of the terms that it is the sum of. */
+/* What rounding makes of a parameter's value, as a share of the terms that it is the sum of. */
 #define VALUE_ROUNDING 0x1p-51
 
 struct haft_corrector {
     haft_tracker *tracker;
     size_t n; /* unknowns, of which the tracker's move; the load comes after them */
-    haft_control control;
+    haft_parameter parameter;
     double value;
     double kappa;
     bool evaluated; /* gradient, Hessian and energy at hand are those of the first residual */
@@ -66,7 +66,7 @@ static int residual(N_Vector y, N_Vector f, void *user) {
     memcpy(out, t->gradient, t->n * sizeof *out);
     memset(out + t->n, 0, (c->n - t->n) * sizeof *out);
     out[c->n] =
-        (c->control.site == NULL ? load : haft_tracker_row(t, c->control.site, u)) - c->value;
+        (c->parameter.site == NULL ? load : haft_tracker_row(t, c->parameter.site, u)) - c->value;
     return 0;
 }
 
@@ -106,8 +106,8 @@ static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
     (void)matrix;
     haft_corrector *c = solver->content;
     haft_tracker *t = c->tracker;
-    const haft_site *site = c->control.site;
-    const int *slot = t->model->site_slot + c->control.index * HAFT_SPAN * HAFT_SPAN;
+    const haft_site *site = c->parameter.site;
+    const int *slot = t->model->site_slot + c->parameter.index * HAFT_SPAN * HAFT_SPAN;
     int terms = site == NULL ? 0 : site->terms;
     double factor = c->kappa / (t->model->gap * t->model->gap), kept[HAFT_SPAN][HAFT_SPAN];
     for (int i = 0; i < terms; i++) {
@@ -138,7 +138,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     t->cost.solves++;
     memcpy(y, rhs, t->n * sizeof *y);
     memset(out + t->n, 0, (c->n - t->n) * sizeof *out);
-    if (c->control.site == NULL) {
+    if (c->parameter.site == NULL) {
         haft_tracker_add_row(t, &t->model->load, s, y);
         haft_factor_solve(c->factor, y, 1);
         memcpy(out, y, t->n * sizeof *out);
@@ -147,11 +147,11 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     }
     double *z = t->pair + t->n;
     memset(z, 0, t->n * sizeof *z);
-    haft_tracker_add_row(t, c->control.site, c->kappa * s, y);
+    haft_tracker_add_row(t, c->parameter.site, c->kappa * s, y);
     haft_tracker_add_row(t, &t->model->load, 1, z);
     haft_factor_solve(c->factor, t->pair, 2);
     double d_load =
-        (s - haft_tracker_row(t, c->control.site, y)) / haft_tracker_row(t, c->control.site, z);
+        (s - haft_tracker_row(t, c->parameter.site, y)) / haft_tracker_row(t, c->parameter.site, z);
     if (!isfinite(d_load)) {
         return 1;
     }
@@ -282,8 +282,8 @@ void haft_corrector_destroy(haft_corrector **corrector) {
     *corrector = NULL;
 }
 
-bool haft_corrector_lead(haft_corrector *corrector, size_t n) {
-    return haft_factor_lead(corrector->factor, n);
+bool haft_corrector_use_leading(haft_corrector *corrector, size_t n) {
+    return haft_factor_use_leading(corrector->factor, n);
 }
 
 /* What rounding of u alone makes of the forces, by the Hessian at hand: no residual can be asked
@@ -305,12 +305,12 @@ static double rounding_floor(const haft_tracker *t, const double *u) {
     return 4 * 0x1p-52 * largest;
 }
 
-/* The length that the control's residual is measured by, scaled. Where the gap is very large beside
- * the range of the law, the tolerance's share of that range lies below the rounding of the
- * control's own value, which no iteration can get below: then the length is larger by as much. */
-static double control_length(const haft_tracker *t, haft_control control, double value,
-                             const double *u) {
-    const haft_site *site = control.site;
+/* The length that the parameter's residual is measured by, scaled. Where the gap is very large
+ * beside the range of the law, the tolerance's share of that range lies below the rounding of the
+ * parameter's own value, which no iteration can get below: then the length is larger by as much. */
+static double parameter_length(const haft_tracker *t, haft_parameter parameter, double value,
+                               const double *u) {
+    const haft_site *site = parameter.site;
     if (site == NULL) {
         return fmax(fabs(value), 1);
     }
@@ -319,18 +319,18 @@ static double control_length(const haft_tracker *t, haft_control control, double
         size += fabs(site->shape[k] * u[site->dof[k]]) / t->model->gap;
     }
     double least = VALUE_ROUNDING * size / t->options.residual_tolerance;
-    return fmax(t->range[control.index] / t->model->gap, least);
+    return fmax(t->range[parameter.index] / t->model->gap, least);
 }
 
-/* A stiffness at the control that outweighs any softening of its own law. */
-static double border_stiffness(const haft_tracker *t, haft_control control) {
-    if (control.site == NULL) {
+/* A stiffness at the parameter that outweighs any softening of its own law. */
+static double border_stiffness(const haft_tracker *t, haft_parameter parameter) {
+    if (parameter.site == NULL) {
         return 0;
     }
-    const haft_law *law = &t->laws[control.index];
-    double slope = 4 * law->f_max / t->range[control.index];
+    const haft_law *law = &t->laws[parameter.index];
+    double slope = 4 * law->f_max / t->range[parameter.index];
     double gap = t->model->gap;
-    return 1 + slope * control.site->area * gap * gap / t->model->energy_unit;
+    return 1 + slope * parameter.site->area * gap * gap / t->model->energy_unit;
 }
 
 /* Runs KINSOL from c->y down to a residual of `tolerance`. */
@@ -347,11 +347,12 @@ static bool run_kinsol(haft_corrector *c, double tolerance) {
     return flag == KIN_SUCCESS || flag == KIN_INITIAL_GUESS_OK;
 }
 
-bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, haft_state *state) {
+bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double value,
+                          haft_state *state) {
     haft_corrector *c = t->corrector;
-    c->control = control;
+    c->parameter = parameter;
     c->value = value;
-    c->kappa = border_stiffness(t, control);
+    c->kappa = border_stiffness(t, parameter);
     double *y = N_VGetArrayPointer(c->y);
     memcpy(y, state->u, c->n * sizeof *y);
     y[c->n] = state->load;
@@ -367,7 +368,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, h
     for (size_t i = 0; i < c->n; i++) {
         scale[i] = 1 / force;
     }
-    scale[c->n] = 1 / control_length(t, control, value, y);
+    scale[c->n] = 1 / parameter_length(t, parameter, value, y);
     double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
     bool solved = run_kinsol(c, tolerance);
     if (!solved && c->finite) { /* the floor at the start, at rest say, can be far too low */

@@ -140,7 +140,7 @@ void haft_factor_destroy(haft_factor **factor) {
     *factor = NULL;
 }
 
-bool haft_factor_lead(haft_factor *factor, size_t n) {
+bool haft_factor_use_leading(haft_factor *factor, size_t n) {
     if (factor->band == NULL) {
         bool fits = n > 1 && n <= (size_t)factor->symbolic->n;
         if (fits) {
@@ -148,7 +148,7 @@ bool haft_factor_lead(haft_factor *factor, size_t n) {
         }
         return fits;
     }
-    return haft_band_lead(factor->band, n);
+    return haft_band_use_leading(factor->band, n);
 }
 
 bool haft_factor_update(haft_factor *factor, const double *values) {

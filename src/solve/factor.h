@@ -21,7 +21,7 @@ void haft_factor_destroy(haft_factor **factor);
 /* From the next update on, factors and solves the leading n x n block, the other unknowns being
  * frozen; n of all unknowns ends that. @return false, and nothing changes, where the solver cannot.
  */
-bool haft_factor_lead(haft_factor *factor, size_t n);
+bool haft_factor_use_leading(haft_factor *factor, size_t n);
 
 /* Refactors. @return false if a pivot vanished or is not finite. */
 bool haft_factor_update(haft_factor *factor, const double *values);

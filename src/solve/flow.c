@@ -158,7 +158,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
                    double departure) {
     memcpy(landed->u, flowing->u, t->n * sizeof(double));
     landed->load = flowing->load;
-    haft_control load = {NULL, 0};
+    haft_parameter load = {NULL, 0};
     if (!haft_corrector_solve(t, load, flowing->load, landed)) {
         return false;
     }
@@ -272,7 +272,7 @@ static size_t moved_sites(const haft_tracker *t, const landing *l) {
 /* Holds what the step taken hardly moved. */
 static void hold(haft_tracker *t, landing *l) {
     size_t n = t->n;
-    if (haft_zone_hold(t, l->from, l->to, moved_sites(t, l) + SPARE_SITES, HELD_MOST)) {
+    if (haft_zone_freeze(t, l->from, l->to, moved_sites(t, l) + SPARE_SITES, HELD_MOST)) {
         l->held = (int)(HELD_STEPS * n / t->n);
     }
 }
@@ -280,7 +280,7 @@ static void hold(haft_tracker *t, landing *l) {
 /* After a step: holds what need not move in the next, or lets go what is held. @return false if the
  * state cannot be evaluated. */
 static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
-    if (!haft_zone_is_held(t)) {
+    if (!haft_zone_is_frozen(t)) {
         if (!settling) {
             hold(t, l);
         }
@@ -288,7 +288,7 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
     }
     l->held--;
     if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->model->sites) {
-        return haft_zone_let_go(t, l->from);
+        return haft_zone_unfreeze(t, l->from);
     }
     return true;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A fold is where dP/dtau = 0 on the branch followed by the control: there the null vector of H is
- * du/dtau, and the bordered matrix is regular. The root is found by Newton on dP/dtau, whose slope
- * P'' comes with the branch's second derivatives, kept inside a bracket that is halved
+/* A fold is where dP/dtau = 0 on the branch followed by the parameter: there the null vector of H
+ * is du/dtau, and the bordered matrix is regular. The root is found by Newton on dP/dtau, whose
+ * slope P'' comes with the branch's second derivatives, kept inside a bracket that is halved
  * whenever Newton leaves it or the rate has not fallen to half. P is stationary at the root, so the
  * fold's load is twice as exact as its place. */
 #include "tracker.h"
@@ -25,15 +25,15 @@ typedef struct bracket {
 /* Solves for the branch at dtau; t->next and t->end hold it. */
 static bool evaluate_at(haft_tracker *t, haft_step *step, double dtau, haft_inertia *inertia) {
     haft_branch_predict(t, dtau);
-    double value = haft_control_value(t, step->control, &t->here) + dtau;
-    if (!haft_corrector_solve(t, step->control, value, &t->next)) {
+    double value = haft_parameter_value(t, step->parameter, &t->here) + dtau;
+    if (!haft_corrector_solve(t, step->parameter, value, &t->next)) {
         return false;
     }
     *inertia = haft_branch_certify(t);
     if (inertia->negative < 0) {
         return false;
     }
-    haft_branch_derive(t, &t->next, step->control, -step->sign, &t->end);
+    haft_branch_derive(t, &t->next, step->parameter, -step->sign, &t->end);
     return isfinite(t->end.load1) && isfinite(t->end.load2);
 }
 

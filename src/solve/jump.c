@@ -57,7 +57,7 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
         return outcome;
     }
     if (departure != HAFT_DEPARTURE_FOLD) { /* it was searched for with ever shorter steps */
-        w->eta = t->options.gap_step;
+        w->step_size = t->options.gap_step;
     }
     if (departure == HAFT_DEPARTURE_REST && jump.flow_steps == 0) {
         return HAFT_OUTCOME_STUCK; /* no jump */
@@ -82,7 +82,7 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
  * is allowed, by what the whole step misses. */
 static bool is_too_long(const haft_tracker *t, const haft_step *step) {
     double share = t->start.load1 / (t->start.load1 - t->end.load1);
-    double order = haft_branch_defect_order(t, step->control);
+    double order = haft_branch_defect_order(t, step->parameter);
     return fabs(step->defect) * pow(share, order) > step->allowed;
 }
 
@@ -151,7 +151,7 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
     return jump_from_here(w, HAFT_DEPARTURE_BIFURCATION, t->null, 0);
 }
 
-haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
+haft_outcome haft_jump_at_multiple_fold(haft_walker *w, const haft_step *step) {
     haft_tracker *t = w->t;
     if (!haft_tracker_evaluate(t, t->here.u, t->here.load, &t->here.energy, NULL)) {
         return HAFT_OUTCOME_NOT_FINITE;
@@ -163,7 +163,7 @@ haft_outcome haft_jump_at_crowded_fold(haft_walker *w, const haft_step *step) {
     if (!(energy_beside(t, amplitude) < energy_beside(t, 0))) {
         return step->failure; /* the branch does not end here */
     }
-    return jump_from_here(w, HAFT_DEPARTURE_CROWDED, t->null, 0);
+    return jump_from_here(w, HAFT_DEPARTURE_MULTIPLE_FOLD, t->null, 0);
 }
 
 haft_outcome haft_jump_from_rest(haft_walker *w) {

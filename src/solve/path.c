@@ -50,15 +50,15 @@ static void settle(haft_walker *w) {
     w->arrived = false;
 }
 
-void haft_walker_let_go(haft_walker *w) {
-    haft_zone_let_go(w->t, &w->t->here);
+void haft_walker_unfreeze(haft_walker *w) {
+    haft_zone_unfreeze(w->t, &w->t->here);
     settle(w);
 }
 
 bool haft_walker_widen(haft_walker *w) {
     haft_tracker *t = w->t;
-    if (haft_zone_is_held(t) && haft_zone_is_clear(t, t->next.u)) {
-        haft_walker_let_go(w);
+    if (haft_zone_is_frozen(t) && haft_zone_is_clear(t, t->next.u)) {
+        haft_walker_unfreeze(w);
         return true;
     }
     if (!haft_zone_widen(t, &t->here, t->next.u)) {
@@ -72,14 +72,14 @@ bool haft_walker_widen(haft_walker *w) {
  * or more than is held already. */
 static void hold(haft_walker *w) {
     haft_tracker *t = w->t;
-    bool held = haft_zone_is_held(t);
+    bool held = haft_zone_is_frozen(t);
     size_t sites = haft_tracker_stirred(t, STILL_SHARE) + SPARE_SITES;
     if (held && sites + WORTH_SITES > t->model->sites) {
         return;
     }
-    if (!haft_zone_hold(t, &t->here, &t->next, sites, STILL_MOST)) {
+    if (!haft_zone_freeze(t, &t->here, &t->next, sites, STILL_MOST)) {
         if (held) {
-            haft_walker_let_go(w);
+            haft_walker_unfreeze(w);
         }
     } else if (!w->arrived) {
         haft_branch_certify(t);
@@ -155,7 +155,7 @@ static haft_outcome walk(haft_walker *w) {
         w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
         haft_walker_record(w, -1);
     }
-    w->eta = t->options.gap_step;
+    w->step_size = t->options.gap_step;
     if (!haft_walker_reached(w, &t->here)) { /* it may be, at rest */
         outcome = follow(w);
     }

@@ -30,51 +30,52 @@
 /* A gap that moves less than this share of the largest move does not choose where a step ends. */
 #define KINK_SHARE 0.05
 
-/* The gap that moves most in the direction of the certified branch becomes the control. */
-static haft_control choose_control(haft_tracker *t) {
+/* The gap that moves most in the direction of the certified branch becomes the parameter. */
+static haft_parameter choose_control(haft_tracker *t) {
     size_t site = 0;
     double move = haft_tracker_greatest(t, t->here.gap, t->motion, &site);
     if (!(move > 0)) {
-        return (haft_control){NULL, 0};
+        return (haft_parameter){NULL, 0};
     }
-    return (haft_control){&t->model->site[site], site};
+    return (haft_parameter){&t->model->site[site], site};
 }
 
-/* Derivatives at `here` by the step's control: those that the last step arrived with, unless it
+/* Derivatives at `here` by the step's parameter: those that the last step arrived with, unless it
  * ended where the two sides differ. */
 static void derive(haft_walker *w, const haft_step *step) {
     haft_tracker *t = w->t;
     if (!w->arrived) {
-        haft_branch_derive(t, &t->here, step->control, step->sign, &t->start);
+        haft_branch_derive(t, &t->here, step->parameter, step->sign, &t->start);
         return;
     }
     haft_branch arrived = t->end;
     t->end = t->start;
     t->start = arrived;
-    haft_branch_rebase(t, step->control, &t->start);
+    haft_branch_rebase(t, step->parameter, &t->start);
     w->arrived = false;
 }
 
-/* Sets out from `here`: control, derivatives on the side of the motion, a step of eta lengths. */
+/* Sets out from `here`: parameter, derivatives on the side of the motion, a step of step_size
+ * lengths. */
 static void depart(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
-    step->control = choose_control(t);
-    const haft_site *site = step->control.site;
+    step->parameter = choose_control(t);
+    const haft_site *site = step->parameter.site;
     double rate = site == NULL ? 1 : haft_tracker_row(t, site, t->solution);
     step->sign = rate * w->direction > 0 ? 1 : -1;
     derive(w, step);
     double size = 1;
     if (site != NULL) {
         double length =
-            haft_tracker_step_length(t, step->control.index, t->here.gap[step->control.index]);
-        size = w->eta * length / t->model->gap;
+            haft_tracker_step_length(t, step->parameter.index, t->here.gap[step->parameter.index]);
+        size = w->step_size * length / t->model->gap;
     }
     step->dtau = step->sign * size;
 }
 
 /* Share of the step at which a gap, moving from d by first- and second-order amounts a and b,
  * passes a kink; above 1 if it does not, or if it sets out the other way and turns: by that gap as
- * the control the kink lies behind. A gap within `near` of the kink is on it. */
+ * the parameter the kink lies behind. A gap within `near` of the kink is on it. */
 static double passing_share(double d, double a, double b, double kink, double near) {
     double end = d + a + b, to = kink - d;
     if (fabs(to) < near || to * (kink - end) >= 0 || to * a <= 0) {
@@ -88,7 +89,7 @@ static double passing_share(double d, double a, double b, double kink, double ne
 }
 
 /* Shortens the step to the first kink of a law that it would pass, by taking that gap's site as the
- * control: then the kink is met to round-off. */
+ * parameter: then the kink is met to round-off. */
 static void stop_at_kink(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
     const haft_model *m = t->model;
@@ -98,7 +99,7 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
     for (size_t r = m->inert; r < m->sites; r++) {
         const haft_law *law = &t->laws[r];
         double a = -t->motion[r] * rate * step->dtau;
-        if (fabs(a) < KINK_SHARE * w->eta * haft_tracker_length(t, r, d[r]) ||
+        if (fabs(a) < KINK_SHARE * w->step_size * haft_tracker_length(t, r, d[r]) ||
             law->kind != HAFT_LAW_MORSE) {
             continue;
         }
@@ -116,8 +117,8 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
         }
     }
     if (chosen < t->model->sites) {
-        step->control = (haft_control){&t->model->site[chosen], chosen};
-        double turned = haft_branch_rebase(t, step->control, &t->start);
+        step->parameter = (haft_parameter){&t->model->site[chosen], chosen};
+        double turned = haft_branch_rebase(t, step->parameter, &t->start);
         step->sign = turned > 0 ? step->sign : -step->sign;
         step->dtau = target / t->model->gap;
         step->at_kink = true;
@@ -134,7 +135,7 @@ static void accept(haft_walker *w, const haft_step *step) {
     double used =
         fmax(fabs(step->defect) / step->allowed, pow(step->moved / HAFT_CORRECTION_LIMIT, 2));
     double factor = 0.85 * pow(fmax(used, 1e-6), -1.0 / 6);
-    w->eta = fmin(w->t->options.gap_step, w->eta * fmin(GROWTH, fmax(0.3, factor)));
+    w->step_size = fmin(w->t->options.gap_step, w->step_size * fmin(GROWTH, fmax(0.3, factor)));
     haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
@@ -143,10 +144,10 @@ static void shrink(haft_walker *w, haft_step *step) {
     w->t->cost.rejected++;
     double factor = 0.5;
     if (isfinite(step->defect) && step->allowed > 0) {
-        double order = haft_branch_defect_order(w->t, step->control);
+        double order = haft_branch_defect_order(w->t, step->parameter);
         factor = fmin(0.7, fmax(0.1, 0.85 * pow(step->allowed / fabs(step->defect), 1 / order)));
     }
-    w->eta *= factor;
+    w->step_size *= factor;
     step->dtau *= factor;
 }
 
@@ -155,7 +156,7 @@ static void shrink(haft_walker *w, haft_step *step) {
  * and what it misses in the ledger is the energy of that error. */
 static bool is_back_on_branch(const haft_walker *w, const haft_step *step, double defect_before) {
     const haft_tracker *t = w->t;
-    return w->eta < EDGE_STEP && fabs(step->defect) > 0.9 * fabs(defect_before) &&
+    return w->step_size < EDGE_STEP && fabs(step->defect) > 0.9 * fabs(defect_before) &&
            fabs(step->defect) < OFF_BRANCH * haft_tracker_rounding(&t->here, &t->next);
 }
 
@@ -193,11 +194,11 @@ static bool stop_at_target(haft_walker *w, haft_step *step) {
     return excess_at(w, step, high) <= 0;
 }
 
-/* Takes the load itself as control to end a step exactly at a load. */
+/* Takes the load itself as parameter to end a step exactly at a load. */
 static bool stop_at_load(haft_walker *w, haft_step *step, double load) {
     haft_tracker *t = w->t;
     haft_step direct = *step;
-    direct.control = (haft_control){NULL, 0};
+    direct.parameter = (haft_parameter){NULL, 0};
     direct.dtau = load - t->here.load;
     direct.sign = direct.dtau > 0 ? 1 : -1;
     size_t bytes = t->n * sizeof(double);
@@ -205,7 +206,7 @@ static bool stop_at_load(haft_walker *w, haft_step *step, double load) {
     memcpy(t->rebased.u2, t->start.u2, bytes);
     t->rebased.load1 = t->start.load1;
     t->rebased.load2 = t->start.load2;
-    haft_branch_rebase(t, direct.control, &t->start);
+    haft_branch_rebase(t, direct.parameter, &t->start);
     if (haft_branch_try(t, &direct, w->direction) == HAFT_STEP_TAKEN) {
         *step = direct;
         t->next.load = load;
@@ -224,7 +225,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
     stop_at_kink(w, &step);
     double limit = w->direction > 0 ? t->programme.load_limit / t->load_unit : 0;
     double defect_before = INFINITY;
-    while (w->eta > LEAST_STEP) {
+    while (w->step_size > LEAST_STEP) {
         haft_step_result result = haft_branch_try(t, &step, w->direction);
         if (result == HAFT_STEP_LEAVES) {
             return haft_walker_widen(w) ? HAFT_OUTCOME_STUCK : HAFT_OUTCOME_ZONE_LEFT;
@@ -257,20 +258,20 @@ haft_outcome haft_walker_advance(haft_walker *w) {
                 return over ? HAFT_OUTCOME_FREE : HAFT_OUTCOME_STUCK;
             }
         }
-        if (result == HAFT_STEP_UNSTABLE && !past_load && w->eta < EDGE_STEP) {
+        if (result == HAFT_STEP_UNSTABLE && !past_load && w->step_size < EDGE_STEP) {
             return haft_jump_at_bifurcation(w, &step);
         }
-        if (result == HAFT_STEP_AMISS && is_back_on_branch(w, &step, defect_before)) {
+        if (result == HAFT_STEP_ENERGY_CHECK_FAILED && is_back_on_branch(w, &step, defect_before)) {
             accept(w, &step);
             return HAFT_OUTCOME_STUCK;
         }
         defect_before = step.defect;
         shrink(w, &step);
     }
-    if (haft_zone_is_held(t)) { /* the whole of it may get on */
-        haft_walker_let_go(w);
-        w->eta = t->options.gap_step;
+    if (haft_zone_is_frozen(t)) { /* the whole of it may get on */
+        haft_walker_unfreeze(w);
+        w->step_size = t->options.gap_step;
         return HAFT_OUTCOME_STUCK;
     }
-    return haft_jump_at_crowded_fold(w, &step);
+    return haft_jump_at_multiple_fold(w, &step);
 }

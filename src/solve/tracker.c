@@ -34,7 +34,7 @@ static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy 
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
                                         t->hessian, force_scale, gap, stiffness);
     if (energy != NULL) {
-        *energy = add(e, t->held.energy);
+        *energy = add(e, t->frozen.energy);
     }
     /* the rounding is of all forces' sizes but the load's */
     bool finite = isfinite(e.strain + e.contact + e.rounding + load);
@@ -60,7 +60,7 @@ bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double
 
 haft_energy haft_tracker_energy(const haft_tracker *t, const double *u) {
     haft_energy e = haft_model_evaluate(t->model, t->rows, u, 0, NULL, NULL, NULL, NULL, NULL);
-    return add(e, t->held.energy);
+    return add(e, t->frozen.energy);
 }
 
 void haft_tracker_turn(haft_tracker *t) {
@@ -118,8 +118,9 @@ double haft_tracker_rounding(const haft_state *a, const haft_state *b) {
     return 0x1p-47 * size + 4 * (a->energy.rounding + b->energy.rounding);
 }
 
-double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state) {
-    return control.site == NULL ? state->load : haft_tracker_row(t, control.site, state->u);
+double haft_parameter_value(const haft_tracker *t, haft_parameter parameter,
+                            const haft_state *state) {
+    return parameter.site == NULL ? state->load : haft_tracker_row(t, parameter.site, state->u);
 }
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {

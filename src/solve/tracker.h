@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What following a path needs at hand, private to the room: the workspace, states and their
- * derivatives along the branch, and the four operations on them: correct, step, locate, land.
+/* The workspace of a path, private to the room: states, their derivatives along the branch, and
+ * four operations: correct, step, locate a fold, land.
  *
- * A branch is followed by a control: the displacement of one site (a "local parameter"), or the
- * load itself. With u and P as functions of the control's value tau, a fold is dP/dtau = 0, an
- * ordinary point of the bordered system. Everything here is scaled: P in units of energy_unit /
- * gap, tau in units of the gap (or of P). */
+ * A branch is followed by a continuation parameter: the displacement of one site, or the load. With
+ * u and P as functions of its value tau, a fold (limit point) is dP/dtau = 0, an ordinary point of
+ * the bordered system. Everything here is scaled: P in units of energy_unit / gap, tau in units of
+ * the gap (or of P). */
 #ifndef HAFT_SOLVE_TRACKER_H
 #define HAFT_SOLVE_TRACKER_H
 
@@ -22,20 +22,20 @@ typedef struct haft_state {
     double crack;       /* [m], NaN while nobody has asked for it */
 } haft_state;
 
-/* First and second derivatives of a branch by its control. */
+/* First and second derivatives of a branch by its parameter. */
 typedef struct haft_branch {
     double *u1, *u2;
     double load1, load2;
 } haft_branch;
 
-/* A control: a site's displacement, or (site NULL) the load. */
-typedef struct haft_control {
+/* A parameter: a site's displacement, or (site NULL) the load. */
+typedef struct haft_parameter {
     const haft_site *site;
     size_t index; /* of the site */
-} haft_control;
+} haft_parameter;
 
-/* What the corrector may move a gap by, and how far off its end a branch is left, in the lengths
- * over which the gap's force changes. */
+/* The largest correction of a gap, and how far beyond its end a branch is left. Both in units of
+ * the length over which the gap's force changes. */
 #define HAFT_CORRECTION_LIMIT 0.05
 #define HAFT_DEPARTURE_MOVE 0.01
 
@@ -51,12 +51,12 @@ typedef struct haft_zone {
 
 enum { HAFT_SITE_SCRATCH = 5 };
 
-/* What is held of a mesh: its energies, and the force and moment by which it kept the front's end
- * in place when it began to be held. */
-typedef struct haft_held {
+/* The frozen part of a mesh: its energies, and the force and moment with which it held the end of
+ * the moving part when it was frozen. */
+typedef struct haft_frozen {
     haft_energy energy;
     double force[2];
-} haft_held;
+} haft_frozen;
 
 typedef struct haft_tracker {
     const haft_model *whole; /* the mesh of the path's states; all vectors have room for its */
@@ -66,8 +66,8 @@ typedef struct haft_tracker {
     haft_factor *factor;
     haft_corrector *corrector;
     haft_diagonals *mass;
-    haft_model front; /* of the mesh in use, while what lies behind is held: */
-    haft_held held;
+    haft_model front; /* the moving part of the mesh in use, while the rest is frozen */
+    haft_frozen frozen;
     size_t n; /* unknowns that move */
     const haft_law *laws;
     haft_law_rows *rows; /* the same, laid out for evaluation */
@@ -75,18 +75,18 @@ typedef struct haft_tracker {
     haft_programme programme;
     double load_unit;                    /* energy_unit / gap [N] */
     double *range, *edge, *wide;         /* of each site: the lengths of its law [m] */
-    double *reach;                       /* it is felt within [m] */
-    double *far;                         /* its force is below 1e-3 of f_max beyond [m] */
-    double *nil;                         /* and below 1e-16 of it beyond [m] */
+    double *reach;                       /* attraction counts as felt within [m] */
+    double *far;                         /* force below 1e-3 of the maximum beyond [m] */
+    double *nil;                         /* force below 1e-16 of the maximum beyond [m] */
     double *wall;                        /* its law is linear below [m] */
     double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
     struct {
         double *gradient, *hessian;
-    } other;                         /* those of another state, put aside */
+    } other;                         /* those of another state, swapped in and out */
     double *gap;                     /* sites: of the last haft_tracker_evaluate() [m] */
     double *gap_predicted;           /* sites: where the corrector started from [m] */
     double *solution;                /* n: H^-1 b at the state last certified */
-    double *motion;                  /* sites: what that is of their displacements */
+    double *motion;                  /* sites: the displacements of `solution` */
     double *mode;                    /* n: eigenvector estimate of the smallest eigenvalue */
     double *scratch[4];              /* n each */
     double *stage[3];                /* n each: the flow's stages */
@@ -96,12 +96,12 @@ typedef struct haft_tracker {
     double *site_stiffness;          /* sites: at the state last evaluated, where refined by it */
     haft_state here, next, spare;    /* accepted, tried, and the flow's second */
     haft_branch start, end;          /* derivatives at `here` leaving it and at `next` arriving */
-    haft_branch rebased;             /* start, kept while another control is tried */
+    haft_branch rebased;             /* start, kept while another parameter is tried */
     double *null;                    /* n: null vector at a fold */
     bool needs_refinement;           /* the factors alone lose too many digits */
-    size_t not_finite;               /* evaluations that were not, since the last accepted state */
-    double residual;                 /* what the corrector last left of the forces, at most */
-    double ledger_left; /* what the ledger may still miss at `here`, beside new work's share [J] */
+    size_t not_finite;  /* evaluations since the last accepted state that were not finite */
+    double residual;    /* bound of the forces' residual after the last correction */
+    double ledger_left; /* allowance of the ledger at `here`, besides that of new work [J] */
     haft_path_cost cost;
 } haft_tracker;
 
@@ -116,16 +116,17 @@ void haft_tracker_destroy(haft_tracker **tracker);
 bool haft_tracker_evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                            double *force_scale);
 
-/* The same of a state, where its energy and gaps go; the tracker's own gaps stay. */
+/* The same for a state, which takes energy and gaps; the tracker's own gaps stay. */
 bool haft_tracker_visit(haft_tracker *t, haft_state *state);
 
-/* The gradient alone, into `gradient`; what is at hand stays. @return whether it is finite. */
+/* Evaluates the gradient alone; the tracker's gradient and Hessian stay. @return whether it is
+ * finite. */
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient);
 
-/* The energy alone; what is at hand stays. */
+/* Evaluates the energy alone; the tracker's gradient and Hessian stay. */
 haft_energy haft_tracker_energy(const haft_tracker *t, const double *u);
 
-/* Puts the gradient and Hessian at hand aside, for those that were so before. */
+/* Swaps gradient and Hessian with those of `other`. */
 void haft_tracker_turn(haft_tracker *t);
 
 static inline void haft_tracker_count_factorization(haft_tracker *t) {
@@ -133,14 +134,14 @@ static inline void haft_tracker_count_factorization(haft_tracker *t) {
     t->cost.unknowns += t->n;
 }
 
-/* Solves in place with the factor at hand. */
+/* Solves in place with the current factor. */
 void haft_tracker_solve(haft_tracker *t, double *b);
 
 /* Factors a matrix of the mesh in use, and solves with it in place. @return false if it could not
  * be factored. */
 bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b);
 
-/* out = factor * M x - less, `less` NULL for nil; `out` is neither of them. */
+/* out = factor * M x - less; `less` may be NULL; `out` is neither x nor less. */
 void haft_tracker_multiply_mass(const haft_tracker *t, double factor, const double *x,
                                 const double *less, double *restrict out);
 
@@ -150,16 +151,17 @@ double haft_tracker_weigh(const haft_tracker *t, const double *x, double *restri
 /* Pi of an evaluated state at its own load [J]. */
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state);
 
-/* Rounding in the difference of two states' energies [J]: a few units in the last place of their
- * parts, and what rounding of the states makes of them. */
+/* Bound of the rounding error in the difference of two states' energies [J]: a few units in the
+ * last place of their parts, and the effect of rounding of the states. */
 double haft_tracker_rounding(const haft_state *a, const haft_state *b);
 
-/* The control's value in a state. */
-double haft_control_value(const haft_tracker *t, haft_control control, const haft_state *state);
+/* The parameter's value in a state. */
+double haft_parameter_value(const haft_tracker *t, haft_parameter parameter,
+                            const haft_state *state);
 
-/* Whether a step by this control passes knots of a table. */
-static inline bool haft_tracker_meets_knots(const haft_tracker *t, haft_control control) {
-    return control.site != NULL && t->laws[control.index].kind == HAFT_LAW_TABLE;
+/* Whether a step by this parameter passes knots of a table. */
+static inline bool haft_tracker_meets_knots(const haft_tracker *t, haft_parameter parameter) {
+    return parameter.site != NULL && t->laws[parameter.index].kind == HAFT_LAW_TABLE;
 }
 
 /* sum_k shape_k v_k / gap for a site, or for the load point. */
@@ -168,116 +170,113 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 /* Adds factor * row' of a site to v. */
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
 
-/* The length over which a site's force changes at gap d: the law's own, but no longer than leads
- * just behind its edge; longer the farther the gap is out of reach. */
+/* The length over which a site's force changes at gap d: the law's own, but not so long that a step
+ * passes its edge; longer where the gap is out of reach. */
 static inline double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
     double beyond = d - t->far[site], past = d - t->edge[site];
     double length = t->range[site] + (past > 0 ? past : 0);
     return (length < t->wide[site] ? length : t->wide[site]) + (beyond > 0 ? beyond : 0);
 }
 
-/* The length over which a site's slope changes at gap d: that above, or how deep the gap is in the
+/* The length over which a site's slope changes at gap d: the length above, or the depth in the
  * law's wall, where the force is linear. A step may be as long as this. */
 static inline double haft_tracker_step_length(const haft_tracker *t, size_t site, double d) {
     double behind = t->wall[site] - d, length = haft_tracker_length(t, site, d);
     return behind > 0 ? t->range[site] + behind : length;
 }
 
-/* Largest of the sites' motions [m] at the gaps given, in step lengths, and whose it is. */
+/* The largest of the sites' motions [m], scaled by their step lengths at the gaps given, and its
+ * site. */
 double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
                              size_t *site);
 
-/* Largest of the motions that a displacement v of the unknowns makes, in lengths, and whose it is
- * (site may be NULL); and of those from one state's gaps to another's. */
+/* The largest scaled displacement of a gap for a displacement v of the unknowns, and its site (may
+ * be NULL); and the largest from one state's gaps to another's. */
 double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site);
 double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to);
 
-/* The sites up to the last that goes further than `least` lengths from one state's gaps to
- * another's: how many they are. */
+/* The number of sites up to the last one whose scaled displacement between two states' gaps exceeds
+ * `least`. */
 size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to, double least);
 
-/* The sites up to the last that the load moves, at `here` just certified, by more than a share of
- * what it moves most: how many they are. */
+/* The number of sites up to the last one that the load moves, at `here` just certified, by more
+ * than a share of the largest scaled displacement. */
 size_t haft_tracker_stirred(const haft_tracker *t, double share);
 
 /* Crack length of a state [m], computed once. */
 double haft_tracker_crack(const haft_tracker *t, haft_state *state);
 
-/* ---- zone.c: on which of the beam's meshes
- * --------------------------------------------------------- */
+/* ---- zone.c: the active mesh ---- */
 
-/* Makes the zones of a tracker whose vectors are there, and enters the whole mesh. */
+/* Creates one zone per mesh of the beam, and puts the whole mesh in use. */
 haft_status haft_zones_create(haft_tracker *t, haft_error *error);
 void haft_zones_destroy(haft_tracker *t);
 
-/* Whether all sites that the mesh in use leaves out are where their laws are nil. */
+/* Whether the laws of all sites that the mesh in use leaves out are zero. */
 bool haft_zone_is_clear(const haft_tracker *t, const double *u);
 
-/* Puts zone `at` in use, all of it. */
+/* Puts zone `at` in use, with no part frozen. */
 void haft_zone_enter(haft_tracker *t, size_t at);
 
-/* Holds what lies behind the first so many sites, or a few more, as it is in `state`, until a zone
- * is entered: the tracker's model is the front, and t->n its unknowns. Energies still are those of
- * all. `other` is a state to be made of it. @return false, and nothing is held, where more than
- * `most` of the unknowns, as a share of all, would still move. */
-bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
-                    double most);
+/* Freezes the part behind the first `sites` sites, or a few more, as it is in `state`, until a zone
+ * is entered. The tracker's model is then the moving part, and t->n its number of unknowns;
+ * energies remain those of the whole. The frozen part is copied to `other`. @return false, and
+ * nothing is frozen, where more than the share `most` of the unknowns would still move. */
+bool haft_zone_freeze(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
+                      double most);
 
-/* Lets go what is held, and evaluates a state. @return false if it is not finite. */
-bool haft_zone_let_go(haft_tracker *t, haft_state *state);
+/* Unfreezes, and evaluates a state. @return false if it is not finite. */
+bool haft_zone_unfreeze(haft_tracker *t, haft_state *state);
 
-/* By how much the forces on the held node, in the state last evaluated, are no more what they were
- * when it began to be held: so much is out of balance there. */
+/* The residual at the frozen node: the change of the forces on it since it was frozen, in the state
+ * last evaluated. */
 double haft_zone_unbalance(const haft_tracker *t);
 
-static inline bool haft_zone_is_held(const haft_tracker *t) {
+static inline bool haft_zone_is_frozen(const haft_tracker *t) {
     return t->model == &t->front;
 }
 
-/* Goes over with a state to a wider mesh, that has what it would touch at u = `ahead`, or to the
- * narrowest that has all that it may touch soon, coming from u = `before` (NULL: at rest). It is
- * evaluated there, with the gaps of all sites.
- * @return false if there is none to go to. */
+/* Moves a state to a longer mesh that includes all sites it would touch at u = `ahead`; or to the
+ * shortest one that includes all it may touch soon, coming from u = `before` (NULL: at rest). The
+ * state is evaluated there, with the gaps of all sites. @return false if there is no such mesh. */
 bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead);
 bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before);
 
-/* ---- corrector.c: KINSOL on the bordered system
- * --------------------------------------------------- */
+/* ---- corrector.c: KINSOL on the bordered system ---- */
 
 haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const haft_model *model,
                                   haft_error *error);
 void haft_corrector_destroy(haft_corrector **corrector);
 
-/* From now on, n of the unknowns move, the first ones. @return false, and nothing changes, where it
- * cannot be so few. */
-bool haft_corrector_lead(haft_corrector *corrector, size_t n);
+/* Solves for the first n unknowns alone from now on. @return false, and nothing changes, where the
+ * linear solver cannot. */
+bool haft_corrector_use_leading(haft_corrector *corrector, size_t n);
 
-/* Solves grad Pi = 0 with the control at `value`, from the state given; leaves the Hessian at the
+/* Solves grad Pi = 0 with the parameter at `value`, from the state given; leaves the Hessian at the
  * solution in t->hessian. @return false if it did not converge. */
-bool haft_corrector_solve(haft_tracker *t, haft_control control, double value, haft_state *state);
+bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double value,
+                          haft_state *state);
 
-/* ---- branch.c
- * ------------------------------------------------------------------------------------- */
+/* ---- branch.c ---- */
 
 /* Factors the Hessian at the state last evaluated and sets t->solution. @return its inertia,
  * with negative = -1 if it could not be factored. */
 haft_inertia haft_branch_certify(haft_tracker *t);
 
-/* Whether solutions by the factors at hand, of the state last evaluated, lose too many
- * digits. */
+/* Whether solutions by the current factor, of the state last evaluated, lose too many digits. */
 bool haft_branch_loses_digits(haft_tracker *t);
 
 /* Derivatives at a certified state. `side` is the sign of dtau of the motion on whose side the
  * laws' kinks are read: where it leads when leaving, where it comes from (pass -sign) when
  * arriving. */
-void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_control control, int side,
-                        haft_branch *out);
+void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_parameter parameter,
+                        int side, haft_branch *out);
 
-/* The same branch by another control: derivatives by the chain rule. @return the dtau of the new
- * control that one unit of the old one's is, to first order. */
-double haft_branch_rebase(const haft_tracker *t, haft_control control, haft_branch *branch);
+/* The same branch by another parameter: derivatives by the chain rule. @return the dtau of the new
+ * parameter that one unit of the old one's is, to first order. */
+double haft_branch_rebase(const haft_tracker *t, haft_parameter parameter, haft_branch *branch);
 
-/* Puts into `next` what lies dtau from `here`, by the derivatives there. */
+/* The predictor: extrapolates `here` by dtau into `next`, by the derivatives at `here`. */
 void haft_branch_predict(haft_tracker *t, double dtau);
 
 /* Work of the load [J] between `here` and `next` over dtau, by quintic interpolation of load and
@@ -290,17 +289,17 @@ double haft_branch_least_eigenvalue(haft_tracker *t);
 typedef enum haft_step_result {
     HAFT_STEP_TAKEN,
     HAFT_STEP_REJECTED,
-    HAFT_STEP_LEAVES,   /* a site that the mesh leaves out would come into reach, or what is held
-                           would move */
-    HAFT_STEP_AMISS,    /* sound, but the ledger misses more energy than is allowed */
-    HAFT_STEP_DIPS,     /* sound, but two folds may hide inside: to be cut at step->dip */
+    HAFT_STEP_LEAVES, /* a site that the mesh leaves out would come into reach, or what is held
+                         would move */
+    HAFT_STEP_ENERGY_CHECK_FAILED, /* sound, but the energy ledger is off by more than allowed */
+    HAFT_STEP_DIPS,                /* sound, but two folds may lie inside: to be cut at step->dip */
     HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */
     HAFT_STEP_UNSTABLE, /* an eigenvalue went negative though the load did not turn */
 } haft_step_result;
 
 /* A step tried: `next`, its certificate and its ledger. */
 typedef struct haft_step {
-    haft_control control;
+    haft_parameter parameter;
     int sign;     /* of dtau */
     bool at_kink; /* it was to end on a law's kink */
     double dtau;
@@ -308,31 +307,30 @@ typedef struct haft_step {
     double defect;        /* energy gained - work [J] */
     double allowed;       /* what the defect may be [J] */
     double dip;           /* share of dtau at which the load's rate is least */
-    double moved;         /* largest way of a gap between prediction and solution, in lengths */
-    haft_outcome failure; /* what the path ends with if no shorter step is better */
+    double moved;         /* largest scaled displacement from prediction to solution */
+    haft_outcome failure; /* outcome of the path if no shorter step succeeds */
     haft_inertia inertia;
 } haft_step;
 
-/* Sets the step's work, defect and allowance from `here` to `next`. */
+/* Computes the step's work, defect and allowance from `here` to `next`. */
 void haft_branch_book(haft_tracker *t, haft_step *step);
 
-/* The power of a step's size with which its defect falls: that of the quintic where the laws are
- * smooth, less where they are tables, for their knots. */
-double haft_branch_defect_order(const haft_tracker *t, haft_control control);
+/* The order of the defect in the step size: that of the quintic where the laws are smooth, less at
+ * the knots of tables. */
+double haft_branch_defect_order(const haft_tracker *t, haft_parameter parameter);
 
-/* Predicts, corrects, certifies and books a step from `here`, whose derivatives are in t->start. */
+/* Predicts, corrects, certifies and accounts for a step from `here`, whose derivatives are in
+ * t->start. */
 haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction);
 
-/* ---- fold.c
- * --------------------------------------------------------------------------------------- */
+/* ---- fold.c ---- */
 
 /* Given a step that ended in HAFT_STEP_FOLD, puts the fold into t->next and its null vector, scaled
- * by the control, into t->null; step->dtau, work and defect become those of the stretch up to the
+ * by the parameter, into t->null; step->dtau, work and defect become those of the stretch up to the
  * fold. @return false if it could not be located. */
 bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *defect);
 
-/* ---- flow.c
- * --------------------------------------------------------------------------------------- */
+/* ---- flow.c ---- */
 
 /* Follows M u' = -grad Pi at the load of `here` from here + a little of `away` until it rests in a
  * stable, certified equilibrium, which goes into `here`. With `away` NULL it starts from `here`

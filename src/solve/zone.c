@@ -20,7 +20,7 @@ enum { SPARE_SITES = 4 };
 /* The first n unknowns move from now on. @return false if they are too few for a solver. */
 static bool lead(haft_tracker *t, size_t n) {
     t->n = n;
-    return haft_factor_lead(t->factor, n) && haft_corrector_lead(t->corrector, n);
+    return haft_factor_use_leading(t->factor, n) && haft_corrector_use_leading(t->corrector, n);
 }
 
 void haft_zone_enter(haft_tracker *t, size_t at) {
@@ -30,7 +30,7 @@ void haft_zone_enter(haft_tracker *t, size_t at) {
     t->factor = zone->factor;
     t->corrector = zone->corrector;
     t->mass = zone->mass;
-    t->held = (haft_held){0};
+    t->frozen = (haft_frozen){0};
     lead(t, zone->model->dofs);
 }
 
@@ -54,8 +54,8 @@ static void keep_still(haft_tracker *t, const haft_state *state, haft_state *oth
     memcpy(other->gap + first, state->gap + first, sites * sizeof(double));
 }
 
-bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
-                    double most) {
+bool haft_zone_freeze(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
+                      double most) {
     const haft_model *m = t->zone[t->at].model;
     size_t moving = 0;
     haft_model front = haft_model_front(m, sites, &moving);
@@ -67,23 +67,23 @@ bool haft_zone_hold(haft_tracker *t, const haft_state *state, haft_state *other,
     t->model = &t->front;
     keep_still(t, state, other);
     haft_energy part;
-    t->held = (haft_held){0};
+    t->frozen = (haft_frozen){0};
     haft_tracker_evaluate(t, state->u, state->load, &part, NULL);
-    t->held = (haft_held){.energy = subtract(state->energy, part),
-                          .force = {t->gradient[moving], t->gradient[moving + 1]}};
+    t->frozen = (haft_frozen){.energy = subtract(state->energy, part),
+                              .force = {t->gradient[moving], t->gradient[moving + 1]}};
     return true;
 }
 
-bool haft_zone_let_go(haft_tracker *t, haft_state *state) {
+bool haft_zone_unfreeze(haft_tracker *t, haft_state *state) {
     haft_zone_enter(t, t->at);
     return haft_tracker_visit(t, state);
 }
 
 double haft_zone_unbalance(const haft_tracker *t) {
-    if (!haft_zone_is_held(t)) {
+    if (!haft_zone_is_frozen(t)) {
         return 0;
     }
-    const double *now = t->gradient + t->n, *then = t->held.force;
+    const double *now = t->gradient + t->n, *then = t->frozen.force;
     return fmax(fabs(now[0] - then[0]), fabs(now[1] - then[1]));
 }
 

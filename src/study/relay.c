@@ -168,23 +168,24 @@ void haft_relay_start(bool go) {
 }
 
 /* Answers one message; true if its sender is gone. */
-static bool answer(haft_desk *desk, int from, haft_ranks_tag tag) {
+static bool answer(haft_scheduler *scheduler, int from, haft_ranks_tag tag) {
     if (tag == HAFT_RANKS_DONE || tag == HAFT_RANKS_FAIL) {
         letter said;
         haft_ranks_receive(from, tag, &said, sizeof said);
         if (said.status == HAFT_OK) {
-            haft_desk_enter(desk, (size_t)said.realization, &said.summary);
+            haft_scheduler_enter(scheduler, (size_t)said.realization, &said.summary);
         } else if (said.realization == NO_REALIZATION) {
-            haft_desk_abort(desk, (haft_status)said.status, said.message);
+            haft_scheduler_abort(scheduler, (haft_status)said.status, said.message);
         } else {
-            haft_desk_fail(desk, (size_t)said.realization, (haft_status)said.status, said.message);
+            haft_scheduler_fail(scheduler, (size_t)said.realization, (haft_status)said.status,
+                                said.message);
         }
         return false;
     }
     haft_ranks_receive(from, tag, NULL, 0);
     if (tag == HAFT_RANKS_ASK) {
         size_t k = 0;
-        bool more = haft_desk_next(desk, &k);
+        bool more = haft_scheduler_next(scheduler, &k);
         uint64_t given = k;
         haft_ranks_send(from, more ? HAFT_RANKS_GIVE : HAFT_RANKS_END, &given,
                         more ? sizeof given : 0);
@@ -192,12 +193,12 @@ static bool answer(haft_desk *desk, int from, haft_ranks_tag tag) {
     return tag == HAFT_RANKS_GONE;
 }
 
-void haft_relay_serve(haft_desk *desk) {
+void haft_relay_serve(haft_scheduler *scheduler) {
     for (int here = haft_study_ranks() - 1; here > 0;) {
         int from = 0;
         haft_ranks_tag tag = HAFT_RANKS_GONE;
         while (haft_ranks_probe(&from, &tag)) {
-            here -= answer(desk, from, tag);
+            here -= answer(scheduler, from, tag);
         }
         haft_ranks_rest();
     }

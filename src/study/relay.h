@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The desk of a run over several processes: rank 0 keeps it, the threads of the others reach it by
- * messages. Private to this room. */
+/* The scheduler of a run over several processes: rank 0 keeps it, the threads of the others reach
+ * it by messages. Private to this room. */
 #ifndef HAFT_STUDY_RELAY_H
 #define HAFT_STUDY_RELAY_H
 
-#include "desk.h"
 #include "ranks.h"
+#include "scheduler.h"
 
 /* What one thread of another rank has to tell and waits for. */
 typedef struct haft_relay_slot haft_relay_slot;
@@ -20,7 +20,7 @@ typedef struct haft_relay {
 haft_status haft_relay_open(haft_relay *relay, size_t threads, haft_error *error) HAFT_MUST_CHECK;
 void haft_relay_close(haft_relay *relay);
 
-/* As the desk's: the next realization for thread `slot`, and what became of the last. */
+/* As the scheduler's: the next realization for thread `slot`, and what became of the last. */
 bool haft_relay_next(haft_relay *relay, size_t slot, size_t *realization);
 void haft_relay_enter(haft_relay *relay, size_t slot, size_t realization,
                       const haft_summary *summary);
@@ -31,7 +31,7 @@ void haft_relay_fail(haft_relay *relay, size_t slot, size_t realization, haft_st
 void haft_relay_speak(haft_relay *relay, const size_t *left, size_t threads);
 
 /* On rank 0: answers the others until all are gone. */
-void haft_relay_serve(haft_desk *desk);
+void haft_relay_serve(haft_scheduler *scheduler);
 
 /* On rank 0: lets the others begin, or go. On another rank: waits for that. */
 void haft_relay_start(bool go);

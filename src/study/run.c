@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run from its start or from where another ended: what parts are there, what is left to do, and
  * the results and laws made of all parts at the end, in order of realization. */
-#include "crew.h"
+#include "pool.h"
 #include "shards.h"
 
 #include <stdio.h>
@@ -19,7 +19,7 @@ typedef struct run {
     haft_parts *parts;
     haft_laws *laws;
     haft_model *model;
-    haft_desk desk;
+    haft_scheduler scheduler;
     bool started; /* the other ranks were told */
     haft_error *error;
 } run;
@@ -75,7 +75,7 @@ static haft_status find_parts(run *r) {
     haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, note_on, r, r->error);
     if (status == HAFT_OK && haft_parts_files(r->parts) > 0) {
         snprintf(text, sizeof text, "%zu of %zu realizations are there from the unfinished run",
-                 haft_parts_found(r->parts), r->desk.total);
+                 haft_parts_found(r->parts), r->scheduler.total);
         tell(r, text);
     }
     if (status == HAFT_OK && haft_parts_repeated(r->parts) > 0) {
@@ -99,7 +99,7 @@ static haft_status restore(run *r) {
             if (status != HAFT_OK) {
                 return status;
             }
-            haft_desk_restore(&r->desk, k, &summary);
+            haft_scheduler_restore(&r->scheduler, k, &summary);
         }
     }
     return HAFT_OK;
@@ -135,15 +135,15 @@ static haft_status take_complete(run *r) {
     status = check_same_case(r, view);
     for (size_t k = 0; status == HAFT_OK && k < view->realizations; k++) {
         if (view->summary[k].outcome >= 0) {
-            haft_desk_restore(&r->desk, k, &view->summary[k]);
+            haft_scheduler_restore(&r->scheduler, k, &view->summary[k]);
         }
     }
     haft_results_view_destroy(&view);
-    if (status == HAFT_OK && r->desk.count < r->desk.end) {
+    if (status == HAFT_OK && r->scheduler.count < r->scheduler.end) {
         status = haft_error_set(r->error, HAFT_ERROR_INPUT,
                                 "%s holds %zu of %zu realizations, and the parts to go on from are "
                                 "gone; start anew with `haft run --force`",
-                                r->files->results, r->desk.count, r->desk.end);
+                                r->files->results, r->scheduler.count, r->scheduler.end);
     }
     if (status == HAFT_OK) {
         tell(r, "the run is complete: nothing is left to do");
@@ -178,9 +178,9 @@ static haft_status merge(run *r) {
     haft_results *results = NULL;
     haft_status status = haft_results_create(&results, r->files->results, r->c, r->laws_digest,
                                              r->mode != HAFT_RUN_NEW, r->error);
-    for (size_t k = 0; status == HAFT_OK && k < r->desk.end; k++) {
+    for (size_t k = 0; status == HAFT_OK && k < r->scheduler.end; k++) {
         status = r->mode == HAFT_RUN_MERGE ? haft_shards_go_on(r->progress, r->error) : HAFT_OK;
-        if (status == HAFT_OK && r->desk.done[k]) {
+        if (status == HAFT_OK && r->scheduler.done[k]) {
             status = add_one(r, results, k);
         }
     }
@@ -225,13 +225,13 @@ static haft_status conclude(run *r, haft_status outcome) {
     haft_error said = *r->error;
     haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, NULL, NULL, r->error);
     if (status == HAFT_OK) {
-        status = save_laws(r, r->desk.prefix);
+        status = save_laws(r, r->scheduler.prefix);
     }
     if (status == HAFT_OK) {
         status = merge(r);
     }
     if (status == HAFT_OK && r->files->beside != NULL) {
-        status = r->files->beside(r->files->user, r->desk.summary, r->laws, r->error);
+        status = r->files->beside(r->files->user, r->scheduler.summary, r->laws, r->error);
     }
     if (status == HAFT_OK && outcome == HAFT_OK) {
         status = haft_parts_retire(r->parts, r->error);
@@ -249,18 +249,18 @@ static void tell_shard(const run *r) {
         text, sizeof text,
         "shard %zu/%zu is done: its %zu realizations are kept in %s; once all shards are, `haft "
         "merge %s` makes the results",
-        r->shard.index, r->shard.count, r->desk.total, r->files->parts, r->files->folder);
+        r->shard.index, r->shard.count, r->scheduler.total, r->files->parts, r->files->folder);
     tell(r, text);
 }
 
 static void tell_stop(const run *r) {
-    if (r->desk.end < r->c->realizations) {
+    if (r->scheduler.end < r->c->realizations) {
         char text[HAFT_TEXT_CAPACITY];
         snprintf(text, sizeof text,
                  "study.stop: the mean crack length is known to +- %.3g um (%.6g %% confidence) "
                  "after %zu of %zu realizations",
-                 1e6 * haft_moments_half_width(&r->desk.moments, r->c->stop.confidence),
-                 100 * r->c->stop.confidence, r->desk.end, r->c->realizations);
+                 1e6 * haft_moments_half_width(&r->scheduler.moments, r->c->stop.confidence),
+                 100 * r->c->stop.confidence, r->scheduler.end, r->c->realizations);
         tell(r, text);
     }
 }
@@ -344,7 +344,7 @@ static haft_status prepare(run *r) {
         status = r->mode == HAFT_RUN_ANEW ? haft_parts_clear(r->parts, r->error) : restore(r);
     }
     if (status == HAFT_OK && r->mode == HAFT_RUN_MERGE) {
-        status = haft_shards_check(&r->desk, r->parts, r->files, r->error);
+        status = haft_shards_check(&r->scheduler, r->parts, r->files, r->error);
     }
     return status;
 }
@@ -359,31 +359,31 @@ static void tell_lacking(const run *r, size_t lacking) {
 }
 
 static haft_status work(run *r) {
-    haft_crew crew = {.c = r->c,
+    haft_pool pool = {.c = r->c,
                       .laws = r->laws,
                       .model = r->model,
                       .folder = r->files->parts,
                       .laws_digest = r->laws_digest,
                       .shard = r->shard,
-                      .desk = &r->desk,
+                      .scheduler = &r->scheduler,
                       .rank = haft_study_rank()};
     haft_error own = {0};
     char way[HAFT_WAY_CAPACITY];
     size_t lacking = 0;
-    haft_status status = haft_crew_equip(&crew, r->desk.done, &lacking, r->error);
+    haft_status status = haft_pool_equip(&pool, r->scheduler.done, &lacking, r->error);
     if (status == HAFT_OK) {
         tell_lacking(r, lacking);
-        haft_desk_begin(&r->desk);
+        haft_scheduler_begin(&r->scheduler);
         haft_relay_start(true);
         r->started = true;
-        status = haft_crew_work(&crew, &own);
+        status = haft_pool_work(&pool, &own);
         if (status != HAFT_OK) {
-            haft_desk_abort(&r->desk, status, own.message);
+            haft_scheduler_abort(&r->scheduler, status, own.message);
         }
         haft_shards_way(way, r->shard, r->files);
-        status = haft_desk_outcome(&r->desk, way);
+        status = haft_scheduler_outcome(&r->scheduler, way);
     }
-    haft_crew_disband(&crew);
+    haft_pool_disband(&pool);
     return status;
 }
 
@@ -399,19 +399,19 @@ static haft_status go(run *r) {
         if (status == HAFT_OK) {
             tell_shard(r);
         }
-    } else if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->desk.count > 0)) {
+    } else if (status == HAFT_OK || (status == HAFT_ERROR_INTERRUPTED && r->scheduler.count > 0)) {
         if (status == HAFT_OK) {
             tell_stop(r);
         }
         status = conclude(r, status);
     }
-    if (status != HAFT_OK && status != HAFT_ERROR_INTERRUPTED && r->desk.count > 0) {
+    if (status != HAFT_OK && status != HAFT_ERROR_INTERRUPTED && r->scheduler.count > 0) {
         haft_error said = *r->error;
         char way[HAFT_WAY_CAPACITY];
         haft_shards_way(way, r->shard, r->files);
         status = haft_error_set(
             r->error, status, "%s; the %zu realizations done are kept, and `%s` goes on from there",
-            said.message, r->desk.count, way);
+            said.message, r->scheduler.count, way);
     }
     return status;
 }
@@ -440,25 +440,26 @@ static haft_status lend_a_hand(run *r) {
         status = make_shared(r);
     }
     if (status == HAFT_OK) {
-        haft_crew crew = {.c = r->c,
+        haft_pool pool = {.c = r->c,
                           .laws = r->laws,
                           .model = r->model,
                           .folder = r->files->parts,
                           .laws_digest = r->laws_digest,
                           .shard = r->shard,
                           .rank = haft_study_rank()};
-        status = haft_crew_equip(&crew, NULL, NULL, r->error);
+        status = haft_pool_equip(&pool, NULL, NULL, r->error);
         if (status == HAFT_OK) {
-            status = haft_crew_work(&crew, r->error);
+            status = haft_pool_work(&pool, r->error);
         }
-        haft_crew_disband(&crew);
+        haft_pool_disband(&pool);
     }
     haft_relay_leave(status, r->error->message);
     return HAFT_OK;
 }
 
 static haft_status lead(run *r, haft_summary *summary) {
-    haft_status status = haft_desk_open(&r->desk, summary, r->c, r->shard, r->progress, r->error);
+    haft_status status =
+        haft_scheduler_open(&r->scheduler, summary, r->c, r->shard, r->progress, r->error);
     if (status == HAFT_OK) {
         status = begin(r);
     }
@@ -492,7 +493,7 @@ haft_status haft_study_run(haft_summary *summary, const haft_case *c, const haft
     if (!haft_study_ranks_agree(!leads || status == HAFT_OK) && !leads) {
         status = haft_error_set(r.error, HAFT_ERROR_INTERRUPTED, "rank 0 ended the run");
     }
-    haft_desk_close(&r.desk);
+    haft_scheduler_close(&r.scheduler);
     haft_model_destroy(&r.model);
     haft_laws_destroy(&r.laws);
     haft_parts_release(&r.parts);

@@ -16,22 +16,23 @@ void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_r
 }
 
 /* How many of a shard's realizations are not there. */
-static size_t count_lacking(const haft_desk *desk, haft_shard shard) {
+static size_t count_lacking(const haft_scheduler *scheduler, haft_shard shard) {
     size_t lacking = 0;
-    for (size_t k = 0; k < desk->end; k++) {
-        lacking += haft_shard_has(shard, k) && !desk->done[k];
+    for (size_t k = 0; k < scheduler->end; k++) {
+        lacking += haft_shard_has(shard, k) && !scheduler->done[k];
     }
     return lacking;
 }
 
 /* "2", "2, 5 and 7", "1, 2, 3 and 17 more"; @return how many shards lack anything. */
-static size_t list_lacking(char *text, size_t capacity, const haft_desk *desk, size_t count) {
+static size_t list_lacking(char *text, size_t capacity, const haft_scheduler *scheduler,
+                           size_t count) {
     size_t lacking = 0, total = 0, length = 0;
     for (size_t i = 1; i <= count; i++) {
-        total += count_lacking(desk, (haft_shard){i, count}) > 0;
+        total += count_lacking(scheduler, (haft_shard){i, count}) > 0;
     }
     for (size_t i = 1; i <= count && lacking < total && length < capacity; i++) {
-        if (count_lacking(desk, (haft_shard){i, count}) == 0) {
+        if (count_lacking(scheduler, (haft_shard){i, count}) == 0) {
             continue;
         }
         bool rest = lacking + 1 == NAMED && total > NAMED;
@@ -43,11 +44,11 @@ static size_t list_lacking(char *text, size_t capacity, const haft_desk *desk, s
     return total;
 }
 
-haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
+haft_status haft_shards_check(const haft_scheduler *scheduler, const haft_parts *parts,
                               const haft_run_files *files, haft_error *error) {
     size_t count = haft_parts_split(parts);
     char list[200] = "", who[260];
-    if (desk->count == desk->end) {
+    if (scheduler->count == scheduler->end) {
         return HAFT_OK;
     }
     if (count == 0) {
@@ -55,14 +56,14 @@ haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
             error, HAFT_ERROR_INPUT,
             "%s: %zu of %zu realizations are there; do the others by `haft resume "
             "%s`",
-            files->parts, desk->count, desk->end, files->folder);
+            files->parts, scheduler->count, scheduler->end, files->folder);
     }
-    size_t lacking = list_lacking(list, sizeof list, desk, count);
+    size_t lacking = list_lacking(list, sizeof list, scheduler, count);
     snprintf(who, sizeof who, lacking == 1 ? "shard %s lacks the" : "shards %s lack the", list);
     return haft_error_set(error, HAFT_ERROR_INPUT,
                           "%s: %zu of %zu realizations are there; %s others: do %s by `haft run %s "
                           "--shard=%s/%zu`, or all that lacks by `haft resume %s`",
-                          files->parts, desk->count, desk->end, who,
+                          files->parts, scheduler->count, scheduler->end, who,
                           lacking == 1 ? "it" : "each of them", files->folder,
                           lacking == 1 ? list : "I", count, files->folder);
 }

@@ -3,7 +3,7 @@
 #ifndef HAFT_STUDY_SHARDS_H
 #define HAFT_STUDY_SHARDS_H
 
-#include "desk.h"
+#include "scheduler.h"
 
 enum { HAFT_WAY_CAPACITY = 400 };
 
@@ -11,7 +11,7 @@ enum { HAFT_WAY_CAPACITY = 400 };
 void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_run_files *files);
 
 /* Refuses to go on where the parts lack realizations: says whose they are, and what does them. */
-haft_status haft_shards_check(const haft_desk *desk, const haft_parts *parts,
+haft_status haft_shards_check(const haft_scheduler *scheduler, const haft_parts *parts,
                               const haft_run_files *files, haft_error *error) HAFT_MUST_CHECK;
 
 /* A merge follows no beams, which ask whether to stop, so it asks here before each that it takes.

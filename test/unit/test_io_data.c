@@ -162,7 +162,7 @@ static void make_sample(sample *x, double seed) {
         double v = seed * (i + 1) / 7;
         x->jump[i] = (haft_jump){.kind = i == 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT,
                                  .phase = i,
-                                 .departure = HAFT_DEPARTURE_CROWDED - i,
+                                 .departure = HAFT_DEPARTURE_MULTIPLE_FOLD - i,
                                  .load = v,
                                  .site = i + 3,
                                  .sites_switched = 4 - i,

@@ -138,7 +138,7 @@ static void solves_leading_blocks(void **state) {
     memcpy(all, b, sizeof b);
     haft_factor_solve(factor, all, 1);
     for (size_t n = 2; n < MOST; n += 2) {
-        assert_true(haft_factor_lead(factor, n));
+        assert_true(haft_factor_use_leading(factor, n));
         assert_true(haft_factor_update(factor, m.value));
         memcpy(x, b, sizeof b);
         haft_factor_solve(factor, x, 1);
@@ -148,9 +148,9 @@ static void solves_leading_blocks(void **state) {
         assert_memory_equal(x + n, b + n, (MOST - n) * sizeof *x);
         assert_int_equal(haft_factor_inertia(factor).negative, 0);
     }
-    assert_false(haft_factor_lead(factor, 0));
-    assert_false(haft_factor_lead(factor, MOST + 2));
-    assert_true(haft_factor_lead(factor, MOST));
+    assert_false(haft_factor_use_leading(factor, 0));
+    assert_false(haft_factor_use_leading(factor, MOST + 2));
+    assert_true(haft_factor_use_leading(factor, MOST));
     assert_true(haft_factor_update(factor, m.value));
     haft_factor_solve(factor, b, 1);
     assert_memory_equal(b, all, sizeof all);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Who gets which realization, and when a run is done. Private to this room. */
-#ifndef HAFT_STUDY_DESK_H
-#define HAFT_STUDY_DESK_H
+#ifndef HAFT_STUDY_SCHEDULER_H
+#define HAFT_STUDY_SCHEDULER_H
 
 #include "moments.h"
 
@@ -9,7 +9,7 @@
 
 /* Hands realizations out in their order and takes their summaries back in any. Its functions may be
  * called by any number of threads. */
-typedef struct haft_desk {
+typedef struct haft_scheduler {
     const haft_case *c;
     haft_shard shard; /* what is not in it is neither handed out nor taken in */
     const haft_progress *progress;
@@ -27,31 +27,34 @@ typedef struct haft_desk {
     size_t failed;
     haft_error *error;
     omp_lock_t lock;
-} haft_desk;
+} haft_scheduler;
 
-haft_status haft_desk_open(haft_desk *desk, haft_summary *summary, const haft_case *c,
-                           haft_shard shard, const haft_progress *progress,
-                           haft_error *error) HAFT_MUST_CHECK;
-void haft_desk_close(haft_desk *desk);
+haft_status haft_scheduler_open(haft_scheduler *scheduler, haft_summary *summary,
+                                const haft_case *c, haft_shard shard, const haft_progress *progress,
+                                haft_error *error) HAFT_MUST_CHECK;
+void haft_scheduler_close(haft_scheduler *scheduler);
 
 /* Enters a realization that an earlier run has done, before the work begins. */
-void haft_desk_restore(haft_desk *desk, size_t realization, const haft_summary *summary);
+void haft_scheduler_restore(haft_scheduler *scheduler, size_t realization,
+                            const haft_summary *summary);
 
 /* Tells how many are done before the work begins. */
-void haft_desk_begin(haft_desk *desk);
+void haft_scheduler_begin(haft_scheduler *scheduler);
 
 /* The next realization to do; false if there is none, or the run shall end early. */
-bool haft_desk_next(haft_desk *desk, size_t *realization);
+bool haft_scheduler_next(haft_scheduler *scheduler, size_t *realization);
 
 /* One is done, or cannot be done; the second ends the run. */
-void haft_desk_enter(haft_desk *desk, size_t realization, const haft_summary *summary);
-void haft_desk_fail(haft_desk *desk, size_t realization, haft_status status, const char *message);
+void haft_scheduler_enter(haft_scheduler *scheduler, size_t realization,
+                          const haft_summary *summary);
+void haft_scheduler_fail(haft_scheduler *scheduler, size_t realization, haft_status status,
+                         const char *message);
 
 /* Something else went wrong: ends the run. */
-void haft_desk_abort(haft_desk *desk, haft_status status, const char *message);
+void haft_scheduler_abort(haft_scheduler *scheduler, haft_status status, const char *message);
 
 /* What came of it, once all hands are still: HAFT_OK if all are done.
  * @param[in] way the command that goes on with what is left */
-haft_status haft_desk_outcome(haft_desk *desk, const char *way);
+haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *way);
 
 #endif
