@@ -76,11 +76,11 @@ typedef enum haft_jump_kind {
 
 /** How a branch ended. */
 typedef enum haft_departure {
-    HAFT_DEPARTURE_FOLD,        /**< in a simple fold */
-    HAFT_DEPARTURE_BIFURCATION, /**< stability was lost though the load did not turn */
-    HAFT_DEPARTURE_MULTIPLE_FOLD,     /**< several eigenvalues vanished at once */
-    HAFT_DEPARTURE_REST,        /**< it did not begin: the unloaded beam, u = 0, feels its laws so
-                                     much that it is pulled to another place */
+    HAFT_DEPARTURE_FOLD,          /**< in a simple fold */
+    HAFT_DEPARTURE_BIFURCATION,   /**< stability was lost though the load did not turn */
+    HAFT_DEPARTURE_MULTIPLE_FOLD, /**< several eigenvalues vanished at once */
+    HAFT_DEPARTURE_REST,          /**< it did not begin: the unloaded beam, u = 0, feels its laws so
+                                       much that it is pulled to another place */
 } haft_departure;
 
 /** One accepted state; energies, work and dissipation are sums from the start [J]. */
