@@ -38,6 +38,8 @@ typedef struct haft_path_options {
     double flow_step;          /**< error of a flow step, in ranges of the laws; 0.1 */
     size_t step_limit;         /**< accepted steps and flow steps together; 200000 */
     bool keep_states;          /**< keep u at every accepted step */
+    bool whole_mesh; /**< solve on the whole mesh at every step: leave out no site that is out
+                          of reach, and freeze no part that rests; for comparison */
 } haft_path_options;
 
 /** Why a path ended. */

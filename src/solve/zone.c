@@ -59,7 +59,7 @@ bool haft_zone_freeze(haft_tracker *t, const haft_state *state, haft_state *othe
     const haft_model *m = t->zone[t->at].model;
     size_t moving = 0;
     haft_model front = haft_model_front(m, sites, &moving);
-    if ((double)moving > most * (double)m->dofs || !lead(t, moving)) {
+    if (t->options.whole_mesh || (double)moving > most * (double)m->dofs || !lead(t, moving)) {
         haft_zone_enter(t, t->at);
         return false;
     }
@@ -101,7 +101,7 @@ static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *err
 
 haft_status haft_zones_create(haft_tracker *t, haft_error *error) {
     for (const haft_model *m = t->whole; m != NULL; m = m->shorter) {
-        t->zones++;
+        t->zones += t->zones == 0 || !t->options.whole_mesh;
     }
     t->zone = haft_memory_alloc(t->zones, sizeof *t->zone, error);
     if (t->zone == NULL) {

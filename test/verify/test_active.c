@@ -166,6 +166,7 @@ static void no_force_is_missed_on_the_way(void **state) {
         }
         haft_path *p = random_beam_cycle(&part, (haft_path_options){.keep_states = true});
         haft_path *q = random_beam_cycle(&whole, (haft_path_options){0});
+        haft_path *all = random_beam_cycle(&part, (haft_path_options){.whole_mesh = true});
         haft_error error = {0};
         double *u = haft_memory_alloc(whole.model->dofs, sizeof *u, &error);
         for (size_t i = 0; i < p->points; i++) {
@@ -182,11 +183,16 @@ static void no_force_is_missed_on_the_way(void **state) {
         assert_int_equal(p->jumps, q->jumps);
         check_near(p->point[p->points - 1].crack_length, q->point[q->points - 1].crack_length,
                    1e-12);
+        assert_int_equal(p->jumps, all->jumps);
+        check_near(p->point[p->points - 1].crack_length, all->point[all->points - 1].crack_length,
+                   1e-12);
+        assert_int_equal(all->cost.unknowns, all->cost.factorizations * part.model->dofs);
         check_less(residual, 1e-8);
         check_less(used, 0.8 * (double)whole.model->dofs);
         haft_memory_free(u);
         haft_path_destroy(&p);
         haft_path_destroy(&q);
+        haft_path_destroy(&all);
         random_beam_destroy(&whole);
         random_beam_destroy(&part);
     }
