@@ -33,6 +33,8 @@ typedef struct known {
 #define MAGIC_AT(offset, text) (text), sizeof(text) - 1, (offset)
 #define NO_MAGIC NULL, 0, 0
 
+static const char MESH[] = "put its points onto a grid, and save the heights as text or CSV";
+
 /* The longer of two beginnings stands first. */
 static const known formats[] = {
     {"a Digital Surf map (sur, pro)", MAGIC("DIGITAL SURF"), ".sur", CONVERT, NULL},
@@ -77,6 +79,15 @@ static const known formats[] = {
     {"a Seiko file (xqb)", MAGIC("SPIZ000"), ".xqb", CONVERT, NULL},
     {"a Shimadzu file", MAGIC("Shimadzu SPM File Format"), "", CONVERT, NULL},
     {"a Molecular Imaging file (mi)", MAGIC("fileType      Image"), ".mi", CONVERT, NULL},
+    {"an Igor text file (itx)", MAGIC("IGOR"), ".itx", CONVERT, NULL},
+    {"a Zygo text file", MAGIC("Zygo ASCII"), "", CONVERT, NULL},
+    {"a Surfer grid (text)", MAGIC("DSAA"), ".grd", CONVERT, NULL},
+    {"an Esri grid (text)", MAGIC("ncols"), ".asc", CONVERT, NULL},
+    {"an Esri grid (text)", MAGIC("NCOLS"), "", CONVERT, NULL},
+    {"a file of polygons (ply)", MAGIC("ply\n"), ".ply", OTHER, MESH},
+    {"a file of triangles (stl)", MAGIC("solid "), ".stl", OTHER, MESH},
+    {"an XML file", MAGIC("<?xml"), ".xml", OTHER, "save the heights as text or CSV"},
+    {"a JSON file", MAGIC("{"), ".json", OTHER, "save the heights as text or CSV"},
     {"a BCR-STM file (bcr)", MAGIC("fileformat = bcr"), ".bcr", CONVERT, NULL},
     {"a Gwyddion file of points (gxyzf)", MAGIC("Gwyddion XYZ Field 1.0\n"), ".gxyzf", OTHER,
      "interpolate the points onto a grid in Gwyddion (Rasterize) and save that as Gwyddion Simple "

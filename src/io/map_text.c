@@ -21,36 +21,6 @@ typedef struct lines {
     bool remark;    /* what stands there is a remark, not a blank line */
 } lines;
 
-/* Kinds of text that hold height maps, but in no way that is read here. */
-static haft_status refuse_known_kinds(const haft_map_file *file, const char *text,
-                                      haft_error *error) {
-    static const struct {
-        const char *begins, *name;
-    } kinds[] = {{"IGOR", "Igor text"},
-                 {"Zygo ASCII", "Zygo text"},
-                 {"Wyko ASCII", "Wyko text"},
-                 {"ISO/TC 201 SPM", "ISO 28600 (SPM data transfer)"},
-                 {"aBCR-", "SDF text"},
-                 {"aISO-", "SDF text"},
-                 {"DSAA", "Surfer grid"},
-                 {"ncols", "Esri grid"},
-                 {"NCOLS", "Esri grid"},
-                 {"ply\n", "polygons (PLY)"},
-                 {"solid ", "triangles (STL)"},
-                 {"<?xml", "XML"},
-                 {"{", "JSON"}};
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
-        if (strncmp(text, kinds[k].begins, strlen(kinds[k].begins)) == 0) {
-            return haft_error_set(error, HAFT_ERROR_INPUT,
-                                  "%s: is a file of the kind %s, which Haft does not read; export "
-                                  "it as Gwyddion Simple Field, as a text matrix with a header, or "
-                                  "as columns x, y, z",
-                                  file->path, kinds[k].name);
-        }
-    }
-    return HAFT_OK;
-}
-
 /* Room for all rows where there are more than a matrix may have, if they may be points: three
  * numbers, which decimal commas make look like six. */
 static haft_status make_room(lines *l, const haft_map_file *file, size_t number,
@@ -145,9 +115,6 @@ static haft_status make_lines(lines *l, const haft_map_file *file, haft_error *e
     }
     memcpy(l->text, file->bytes, size);
     haft_status status = haft_text_decode(&l->text, &size, file->path, error);
-    if (status == HAFT_OK) {
-        status = refuse_known_kinds(file, l->text, error);
-    }
     if (status != HAFT_OK) {
         return status;
     }
