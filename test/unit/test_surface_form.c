@@ -68,7 +68,7 @@ static void the_forms_give_each_other(void **state) {
     (void)state;
     haft_error error = {0};
     double worst = 0;
-    for (uint64_t k = 0; k < 300; k++) {
+    for (uint64_t k = 0; k < 100; k++) {
         uint64_t words[4];
         haft_random_words((haft_random_key){24, HAFT_RANDOM_TEST}, k, 0, 0, words);
         double hurst = k % 10 == 0 ? 1 : 0.01 + 0.98 * haft_random_uniform(words[0]);
