@@ -366,25 +366,14 @@ static void write_provenance(page *p, const source *s) {
 
 static haft_status read_source(source *s, long asked, haft_error *error) {
     char path[PATH_CAPACITY];
-    haft_status status = choose_realization(s->c, asked, &s->realization, error);
-    if (status == HAFT_OK) {
-        status = case_out_path(s->results, s->folder, "results.h5", error);
-    }
-    if (status == HAFT_OK) {
-        status = read_own_results(&s->view, s->c, s->results, error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(path, s->folder, "laws.h5", error);
-    }
-    if (status == HAFT_OK) {
-        status = read_matching_laws(&s->laws, s->laws_digest, s->c, path, error);
-    }
-    if (status == HAFT_OK) {
-        s->statistics = haft_study_statistics(s->c, s->view->summary, s->view->realizations);
-        status = haft_study_find(&s->findings, s->c, s->laws, s->results, s->view->summary,
-                                 s->realization, error);
-    }
-    return status;
+    HAFT_TRY(choose_realization(s->c, asked, &s->realization, error));
+    HAFT_TRY(case_out_path(s->results, s->folder, "results.h5", error));
+    HAFT_TRY(read_own_results(&s->view, s->c, s->results, error));
+    HAFT_TRY(case_out_path(path, s->folder, "laws.h5", error));
+    HAFT_TRY(read_matching_laws(&s->laws, s->laws_digest, s->c, path, error));
+    s->statistics = haft_study_statistics(s->c, s->view->summary, s->view->realizations);
+    return haft_study_find(&s->findings, s->c, s->laws, s->results, s->view->summary,
+                           s->realization, error);
 }
 
 /* A budget there is, or why there is none. */

@@ -155,12 +155,9 @@ haft_status haft_map_end(haft_map **out, const haft_map_file *file, double unit,
 haft_status haft_map_from_matrix(haft_map **out, const haft_map_file *file, size_t rows,
                                  size_t columns, double width, double height, double unit,
                                  const double *z, haft_error *error) {
-    haft_status status = haft_map_begin(out, file, rows, columns, width, height, &unit, error);
-    if (status == HAFT_OK) {
-        memcpy((*out)->z, z, rows * columns * sizeof *z);
-        status = haft_map_end(out, file, unit, error);
-    }
-    return status;
+    HAFT_TRY(haft_map_begin(out, file, rows, columns, width, height, &unit, error));
+    memcpy((*out)->z, z, rows * columns * sizeof *z);
+    return haft_map_end(out, file, unit, error);
 }
 
 /* ---- which kind ---- */

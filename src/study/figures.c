@@ -325,12 +325,7 @@ static haft_status write_path(const haft_case *c, const haft_laws *laws, const c
 haft_status haft_study_write_figures(const haft_case *c, const haft_laws *laws,
                                      const char *results_path, size_t realization,
                                      const char *directory, haft_error *error) {
-    haft_status status = haft_study_write_surface(c, directory, error);
-    if (status == HAFT_OK) {
-        status = write_laws(c, laws, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_path(c, laws, results_path, realization, directory, error);
-    }
-    return status;
+    HAFT_TRY(haft_study_write_surface(c, directory, error));
+    HAFT_TRY(write_laws(c, laws, directory, error));
+    return write_path(c, laws, results_path, realization, directory, error);
 }

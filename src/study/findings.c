@@ -277,17 +277,10 @@ static void find_sampler(haft_findings *out, const haft_case *c, const haft_laws
 
 static haft_status gather(haft_evidence *e, size_t realization, haft_error *error) {
     haft_summary again;
-    haft_status status = haft_model_create_beam(&e->model, &e->c->beam, &e->c->mesh, error);
-    if (status == HAFT_OK) {
-        status = haft_study_site_laws(&e->sites, e->c, e->laws, realization, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_realize(&e->path, &again, e->c, e->model, e->sites, true, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_correlation_length(&e->correlation, e->c, 0.01, error);
-    }
-    return status;
+    HAFT_TRY(haft_model_create_beam(&e->model, &e->c->beam, &e->c->mesh, error));
+    HAFT_TRY(haft_study_site_laws(&e->sites, e->c, e->laws, realization, error));
+    HAFT_TRY(haft_study_realize(&e->path, &again, e->c, e->model, e->sites, true, error));
+    return haft_study_correlation_length(&e->correlation, e->c, 0.01, error);
 }
 
 haft_status haft_study_find(haft_findings *out, const haft_case *c, const haft_laws *laws,

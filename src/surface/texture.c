@@ -170,10 +170,7 @@ static haft_status take_decay(haft_map_texture *t, const haft_map *map, double m
 haft_status haft_map_get_texture(haft_map_texture *out, const haft_map *map, haft_error *error) {
     double mean = 0;
     *out = (haft_map_texture){.sq = 0};
-    haft_status status = take_heights(out, map, &mean, error);
-    if (status == HAFT_OK) {
-        take_slopes(out, map);
-        status = take_decay(out, map, mean, error);
-    }
-    return status;
+    HAFT_TRY(take_heights(out, map, &mean, error));
+    take_slopes(out, map);
+    return take_decay(out, map, mean, error);
 }
