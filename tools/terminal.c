@@ -11,19 +11,12 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 static volatile sig_atomic_t caught;
 
 static void catch_signal(int number) {
     caught = number;
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* A standard stream that came closed would give its number to the next file opened, and progress
@@ -86,7 +79,7 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
     if (t->quiet) {
         return;
     }
-    double time = now();
+    double time = haft_clock_seconds();
     if (t->stage == NULL || strcmp(t->stage, stage) != 0) {
         t->stage = stage;
         t->started = time;

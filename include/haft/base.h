@@ -190,6 +190,9 @@ haft_status haft_file_read(char **bytes, size_t *size, const char *path, size_t 
  *  @return how many characters the number has, 0 if there is none */
 size_t haft_number_scan(const char *text, double *value);
 
+/** Seconds since some fixed moment, by a clock that nobody sets. Thread-safe. */
+double haft_clock_seconds(void);
+
 /** Reads a text that is one finite decimal number and nothing else but blanks. Thread-safe.
  *  @param[in] text the text
  *  @param[out] value the number; unchanged on failure

@@ -15,19 +15,6 @@ static double node_value(const haft_model *model, const double *u, size_t node, 
     return model->scale[i] * u[i];
 }
 
-static size_t find_element(const haft_model *model, double x) {
-    size_t low = 0, high = model->nodes - 1;
-    while (high - low > 1) {
-        size_t middle = (low + high) / 2;
-        if (model->node_x[middle] <= x) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
 /* Coefficients of w in powers of xi = (x - node) / length over element e. */
 static void element_cubic(const haft_model *model, const double *u, size_t e, double c[4]) {
     double l = model->node_x[e + 1] - model->node_x[e];
@@ -45,7 +32,7 @@ static double cubic(const double c[4], double xi) {
 
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
                       double *rotation) {
-    size_t e = find_element(model, x);
+    size_t e = haft_beam_find_element(model->node_x, model->nodes, x);
     double l = model->node_x[e + 1] - model->node_x[e];
     double xi = (x - model->node_x[e]) / l;
     double c[4];

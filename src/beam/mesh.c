@@ -2,7 +2,7 @@
 /* Meshing a cantilever: nodes, Hermite elements, one contact site in the middle of each patch.
  * An element's strain energy is written in its two deformation modes, the end rotations relative to
  * the chord: q1 = rotation_1 - chord, q2 = rotation_2 - chord, energy (2EI/l)(q1^2+q1 q2+q2^2). */
-#include "haft/beam.h"
+#include "sites.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,8 +113,7 @@ static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec
     return HAFT_OK;
 }
 
-/* Element that holds x, the later one at a node; its local coordinate in [0, 1]. */
-static size_t find_element(const double *node_x, size_t nodes, double x, double *xi) {
+size_t haft_beam_find_element(const double *node_x, size_t nodes, double x) {
     size_t low = 0, high = nodes - 1;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
@@ -124,8 +123,14 @@ static size_t find_element(const double *node_x, size_t nodes, double x, double 
             high = middle;
         }
     }
-    *xi = (x - node_x[low]) / (node_x[low + 1] - node_x[low]);
     return low;
+}
+
+/* The same, and the local coordinate of x in it, from 0 to 1. */
+static size_t find_place(const double *node_x, size_t nodes, double x, double *xi) {
+    size_t e = haft_beam_find_element(node_x, nodes, x);
+    *xi = (x - node_x[e]) / (node_x[e + 1] - node_x[e]);
+    return e;
 }
 
 static int node_dof(size_t node, int rotation) {
@@ -239,7 +244,7 @@ static haft_site make_site(const beam_parts *parts, const haft_beam_spec *beam, 
                            size_t nodes, size_t sites, size_t r, double pitch) {
     double x = site_position(beam->length, sites, r), xi;
     size_t e = uniform ? find_uniform_element(nodes - 1, sites, r, &xi)
-                       : find_element(parts->x, nodes, x, &xi);
+                       : find_place(parts->x, nodes, x, &xi);
     haft_site site = place_point(parts, beam, e, xi, x, pitch);
     site.area = beam->width * beam->length / (double)sites;
     return site;
@@ -248,7 +253,7 @@ static haft_site make_site(const beam_parts *parts, const haft_beam_spec *beam, 
 static haft_site make_load(const beam_parts *parts, const haft_beam_spec *beam, size_t nodes,
                            double x, double pitch) {
     double xi;
-    size_t e = find_element(parts->x, nodes, x, &xi);
+    size_t e = find_place(parts->x, nodes, x, &xi);
     return place_point(parts, beam, e, xi, x, pitch);
 }
 

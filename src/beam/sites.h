@@ -85,4 +85,7 @@ void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_
                            const double *force, const double *stiffness, double *gradient,
                            double *hessian);
 
+/* The element that holds x, the later one at a node. */
+size_t haft_beam_find_element(const double *node_x, size_t nodes, double x);
+
 #endif

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 static const double SYNC_EVERY = 1; /* [s] */
@@ -24,12 +23,6 @@ struct haft_part {
     size_t records;
     double synced;
 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- what reader and writer share ---- */
 
@@ -239,11 +232,11 @@ haft_status haft_part_append(haft_part *part, size_t realization, const haft_pat
     haft_status status = append(part, bytes, sizeof head + head.size, error);
     haft_memory_free(bytes);
     part->records += status == HAFT_OK;
-    if (status == HAFT_OK && now() - part->synced > SYNC_EVERY) {
+    if (status == HAFT_OK && haft_clock_seconds() - part->synced > SYNC_EVERY) {
         if (fdatasync(part->descriptor) != 0 && errno != EINVAL && errno != ENOTSUP) {
             status = refused(part, errno, error);
         }
-        part->synced = now();
+        part->synced = haft_clock_seconds();
     }
     return status;
 }

@@ -8,13 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- the changed case ---- */
 
@@ -102,7 +95,7 @@ static haft_status obtain_laws(const haft_laws **laws, double *seconds, haft_cha
         inner.user = set->progress->user;
     }
     haft_laws *built = NULL;
-    double start = now();
+    double start = haft_clock_seconds();
     if (status == HAFT_OK) {
         status = haft_study_build_laws(&built, c, &inner, error);
     }
@@ -111,7 +104,7 @@ static haft_status obtain_laws(const haft_laws **laws, double *seconds, haft_cha
         memcpy(set->built[i].digest, digest, sizeof digest);
         set->built[i].sites = sites;
         *laws = set->built[i].laws = built;
-        *seconds = set->built[i].seconds = now() - start;
+        *seconds = set->built[i].seconds = haft_clock_seconds() - start;
     }
     return status;
 }
@@ -179,11 +172,11 @@ haft_status haft_changed_get(const haft_changed **out, haft_changed_set *set, un
     if (status == HAFT_OK) {
         status = obtain_laws(&laws, &seconds, set, own.c, error);
     }
-    double start = now();
+    double start = haft_clock_seconds();
     if (status == HAFT_OK) {
         status = follow_all(&own, set, laws, error);
     }
-    own.seconds = (seconds + now() - start) / (double)set->beams;
+    own.seconds = (seconds + haft_clock_seconds() - start) / (double)set->beams;
     if (status != HAFT_OK) {
         haft_memory_free(own.beam);
         haft_case_destroy(&own.c);

@@ -3,20 +3,13 @@
 #include "haft/study.h"
 
 #include <math.h>
-#include <time.h>
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haft_case *c,
                                const haft_model *model, const haft_site_laws *laws,
                                bool keep_states, haft_error *error) {
     haft_path_options options = c->path;
     options.keep_states = keep_states;
-    double start = now();
+    double start = haft_clock_seconds();
     haft_status status = haft_solve_path(out, model, laws->law, &c->programme, &options, error);
     if (status != HAFT_OK) {
         return status;
@@ -38,7 +31,7 @@ haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haf
         .internal_energy = solved ? end.internal_energy : NAN,
         .end_influence = path->end_influence,
         .ledger_error = path->ledger_error,
-        .seconds = now() - start,
+        .seconds = haft_clock_seconds() - start,
         .outcome = (int)path->outcome,
         .jumps = (int)path->jumps,
         .steps = (int)path->points,

@@ -21,12 +21,6 @@ static const edit few[] = {{"realizations: 2", "realizations: 4"},
 static const char *const made[] = {"out/results.h5",  "out/laws.h5",         "out/laws.csv",
                                    "out/summary.csv", "out/convergence.csv", "out/resolved.yaml"};
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void nap(double seconds) {
     nanosleep(
         &(struct timespec){.tv_sec = (time_t)seconds, .tv_nsec = (long)(fmod(seconds, 1) * 1e9)},
@@ -67,9 +61,9 @@ static void empty(const case_folder *c) {
 
 /* How long a command takes, to draw times from. */
 static double time_of(const char *const *args) {
-    double begin = now();
+    double begin = haft_clock_seconds();
     must_run(HAFT, args);
-    return now() - begin;
+    return haft_clock_seconds() - begin;
 }
 
 /* Goes on until the results are there, whatever the kill left. */

@@ -34,12 +34,6 @@ static off_t bytes_kept(const case_folder *c) {
     return bytes;
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void wait_for(double seconds) {
     nanosleep(
         &(struct timespec){.tv_sec = (time_t)seconds, .tv_nsec = (long)(fmod(seconds, 1) * 1e9)},
@@ -60,13 +54,13 @@ static void kill_at(uint64_t draw, const case_folder *c, const child *running) {
     haft_random_words((haft_random_key){1, HAFT_RANDOM_TEST}, draw, 0, 0, w);
     int growths = (int)(w[0] % 4);
     off_t kept = bytes_kept(c);
-    double last = now(), lasted = 0;
+    double last = haft_clock_seconds(), lasted = 0;
     struct stat told = {0};
     while ((growths > 0 || told.st_size == 0) && !has_ended(running)) {
         off_t bytes = bytes_kept(c);
         if (bytes > kept) {
             growths--;
-            lasted = now() - last;
+            lasted = haft_clock_seconds() - last;
             last += lasted;
         }
         kept = bytes;

@@ -22,16 +22,9 @@
 #include "random_beam.h"
 
 #include <klu.h>
-#include <time.h>
 
 static const double lengths[] = {30e-6, 15e-6, 10e-6, 7.5e-6, 5e-6, 3e-6, 1.5e-6};
 enum { LENGTHS = sizeof lengths / sizeof *lengths, DELRIO_BEAMS = 3, RANDOM_BEAMS = 12 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Beams over fixed laws, all of one structure. */
 typedef struct family {
@@ -89,7 +82,7 @@ static void print_row(const family *f, double element_length, haft_path *const *
     double n = (double)f->beams, energy = 0, crack = 0, jumps = 0, fold = 0;
     double energy_off = 0, crack_off = 0, fold_off = 0, second_off = 0;
     int same = 0;
-    double start = now();
+    double start = haft_clock_seconds();
     for (size_t k = 0; k < f->beams; k++) {
         haft_path *path = cycle(f, model, k);
         haft_path_point a = path->point[path->points - 1];
@@ -114,7 +107,7 @@ static void print_row(const family *f, double element_length, haft_path *const *
     }
     print_message("  %6s %9.4f %9.2e %8.2f %8.2e %6.1f %5d %10.6f %8.1e %8.1e %8.3f\n", label,
                   1e12 * energy, energy_off, 1e6 * crack, 1e6 * crack_off, jumps, same, 1e6 * fold,
-                  fold_off, second_off, (now() - start) / n);
+                  fold_off, second_off, (haft_clock_seconds() - start) / n);
     haft_model_destroy(&model);
 }
 

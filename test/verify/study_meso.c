@@ -16,16 +16,9 @@
 #include "check.h"
 #include "haft/study.h"
 
-#include <time.h>
 
 static const double lengths[] = {24e-6, 12e-6, 6e-6, 3e-6, 2e-6, 1.5e-6};
 enum { LENGTHS = sizeof lengths / sizeof *lengths, BEAMS = 3 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static haft_case *read_case(void) {
     haft_error error = {0};
@@ -140,13 +133,13 @@ static end follow(const haft_case *c, const haft_law *law) {
     haft_model *model = NULL;
     haft_path *path = NULL;
     check_ok(haft_model_create_beam(&model, &c->beam, &c->mesh, &error), error);
-    double start = now();
+    double start = haft_clock_seconds();
     check_ok(haft_solve_path(&path, model, law, &c->programme, &c->path, &error), error);
     assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
     check_less(path->ledger_error, 1e-9);
     haft_path_point last = path->point[path->points - 1];
     end e = {last.internal_energy, last.crack_length, last.dissipated, (double)path->jumps,
-             now() - start};
+             haft_clock_seconds() - start};
     haft_path_destroy(&path);
     haft_model_destroy(&model);
     return e;
@@ -246,10 +239,10 @@ static void the_patches_own_laws(void **state) {
     haft_laws *laws[LENGTHS];
     print_message("\n  laws built:");
     for (int k = 0; k < LENGTHS; k++) {
-        double start = now();
+        double start = haft_clock_seconds();
         c->mesh.l_meso = lengths[k];
         check_ok(haft_study_build_laws(&laws[k], c, NULL, &error), error);
-        print_message(" %.1f um %.1f s;", 1e6 * lengths[k], now() - start);
+        print_message(" %.1f um %.1f s;", 1e6 * lengths[k], haft_clock_seconds() - start);
     }
     print_message("\n");
     study(c, laws, HAFT_LAW_MORSE, LENGTHS);

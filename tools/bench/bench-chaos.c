@@ -111,9 +111,9 @@ static data read_data(const char *path) {
 static haft_chaos *identify(const data *d, const haft_chaos_spec *spec, double *seconds) {
     haft_chaos *c = NULL;
     haft_error error = {0};
-    double start = now();
+    double start = haft_clock_seconds();
     must(haft_chaos_create(&c, d->m, d->vector, spec, &error), &error);
-    *seconds = now() - start;
+    *seconds = haft_clock_seconds() - start;
     return c;
 }
 
@@ -129,14 +129,14 @@ static double erfc_calls(const haft_chaos_parts *p) {
 
 static double time_erfc(const haft_chaos_parts *p, double calls) {
     size_t g = p->components, looks = (size_t)(calls / (double)p->m);
-    double sum = 0, factor = M_SQRT1_2 / p->bandwidth, start = now();
+    double sum = 0, factor = M_SQRT1_2 / p->bandwidth, start = haft_clock_seconds();
     for (size_t i = 0; i < looks; i++) {
         double x = 4.0 * ((double)i + 0.5) / (double)looks - 2;
         for (size_t k = 0; k < p->m; k++) {
             sum += erfc((x - p->centre[k * g + i % g]) * factor);
         }
     }
-    double seconds = now() - start;
+    double seconds = haft_clock_seconds() - start;
     if (!(sum > 0)) {
         printf("impossible\n");
     }
@@ -184,9 +184,9 @@ static void time_samplers(const data *d, const haft_chaos_spec *base, size_t law
             haft_chaos *c = identify(d, &spec, &unused);
             must(haft_chaos_work_create(&work, c, &error), &error);
             size_t n = exact ? laws / 200 + 1 : laws;
-            double start = now();
+            double start = haft_clock_seconds();
             must(haft_chaos_sample(c, work, (haft_chaos_sampler)s, 1, 0, 0, n, v, &error), &error);
-            double seconds = now() - start;
+            double seconds = haft_clock_seconds() - start;
             printf("%-10s %-10s %10zu %12.4f %14.3e\n",
                    haft_chaos_sampler_name((haft_chaos_sampler)s),
                    s == 0 ? haft_chaos_germ_name(spec.germ) : "-", n, seconds, (double)n / seconds);
@@ -313,9 +313,9 @@ static void write_points(const data *d, const haft_chaos_spec *base, const char 
         for (size_t i = 0; i < p.components; i++) {
             xi[i] = haft_random_uniform(words[i]);
         }
-        double start = now();
+        double start = haft_clock_seconds();
         must(haft_chaos_inverse(c, work, xi, NULL, eta, &error), &error);
-        spent += now() - start;
+        spent += haft_clock_seconds() - start;
         fprintf(file, "point");
         for (size_t i = 0; i < 2 * p.components; i++) {
             fprintf(file, ",%.17g", i < p.components ? xi[i] : eta[i - p.components]);

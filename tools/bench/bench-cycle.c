@@ -17,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { BEAM_LIMIT = 100, ROUND_LIMIT = 99 };
@@ -128,21 +127,21 @@ static void free_bare_klu(bare_klu *k) {
 static klu_time time_klu(bare_klu *k) {
     enum { RUNS = 200 };
     const haft_model *m = k->model;
-    double start = now();
+    double start = haft_clock_seconds();
     for (int r = 0; r < RUNS; r++) {
         if (!klu_refactor(m->column, m->row, k->value, k->symbolic, k->numeric, &k->common)) {
             fprintf(stderr, "bench-cycle: KLU cannot factor K + M\n");
             exit(1);
         }
     }
-    double middle = now();
+    double middle = haft_clock_seconds();
     for (int r = 0; r < RUNS; r++) {
         for (size_t i = 0; i < m->dofs; i++) {
             k->b[i] = 1;
         }
         klu_solve(k->symbolic, k->numeric, (int)m->dofs, 1, k->b, &k->common);
     }
-    return (klu_time){(middle - start) / RUNS, (now() - middle) / RUNS};
+    return (klu_time){(middle - start) / RUNS, (haft_clock_seconds() - middle) / RUNS};
 }
 
 /* All the laws that take part, bare, at the gaps a path ended with. */
@@ -170,22 +169,22 @@ static void free_bare_laws(bare_laws *b) {
 /* Seconds of an evaluation of all of them, as a state's are: the mean over 200. */
 static double time_laws(const bare_laws *b) {
     enum { RUNS = 200 };
-    double *d = b->d, start = now();
+    double *d = b->d, start = haft_clock_seconds();
     haft_law_values out = {d + b->room, d + 2 * b->room, NULL, d + 3 * b->room};
     for (int r = 0; r < RUNS; r++) {
         haft_law_rows_evaluate(b->rows, 0, b->sites, d, &out);
     }
-    return (now() - start) / RUNS;
+    return (haft_clock_seconds() - start) / RUNS;
 }
 
 static haft_path *follow(const bench *b, const haft_model *model, const haft_path_options *options,
                          int beam, double *seconds) {
     haft_error error = {0};
     haft_path *path = NULL;
-    double start = now();
+    double start = haft_clock_seconds();
     must(haft_solve_path(&path, model, b->beam[beam]->law, &b->c->programme, options, &error),
          &error);
-    *seconds = now() - start;
+    *seconds = haft_clock_seconds() - start;
     if (path->outcome != HAFT_OUTCOME_STUCK && path->outcome != HAFT_OUTCOME_FREE) {
         printf("beam %d: %s\n", beam, haft_outcome_name(path->outcome));
     }
@@ -327,9 +326,9 @@ static void study_growth(const bench *b, const growth *g) {
         for (int k = 0; k < BEAMS; k++) {
             haft_site_laws *laws = draw_laws((uint64_t)k, sites[i], &error);
             haft_path *path = NULL;
-            double start = now();
+            double start = haft_clock_seconds();
             must(haft_solve_path(&path, model, laws->law, &programme, &b->c->path, &error), &error);
-            time[k] = now() - start;
+            time[k] = haft_clock_seconds() - start;
             each[k] = time[k] / (double)path->cost.factorizations;
             add_cost(&cost, path, BEAMS);
             haft_path_destroy(&path);

@@ -21,7 +21,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { ROUND_LIMIT = 99, GRIDS = 3, TOLERANCES = 3 };
@@ -75,9 +74,9 @@ static void average(const haft_laws *laws, sample *out) {
 static void build(const haft_case *c, int threads, sample *out) {
     haft_laws *laws = NULL;
     omp_set_num_threads(threads);
-    double start = now();
+    double start = haft_clock_seconds();
     haft_status status = haft_study_build_laws(&laws, c, NULL, &out->error);
-    out->seconds = now() - start;
+    out->seconds = haft_clock_seconds() - start;
     if (status == HAFT_OK) {
         average(laws, out);
         haft_laws_destroy(&laws);
@@ -104,9 +103,9 @@ static void transform(const haft_case *c, int threads, sample *out) {
         for (size_t i = 0; i < half; i++) {
             in[me][i][0] = in[me][i][1] = (double)(i % 7) - 3;
         }
-        double start = now();
+        double start = haft_clock_seconds();
         fftw_execute_dft_c2r(plan, in[me], z[me]);
-        busy[me] += now() - start;
+        busy[me] += haft_clock_seconds() - start;
     }
     out->seconds = fmax(busy[0], busy[1]) * 0.5 * blocks / runs;
     if (threads > 1) { /* an odd count leaves one thread idle for a turn */
@@ -226,11 +225,11 @@ static double time_noise(const bench *b) {
     haft_error error = {0};
     double *z = haft_memory_alloc(columns, sizeof *z, &error);
     must(z == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, &error);
-    double start = now();
+    double start = haft_clock_seconds();
     for (size_t i = 0; i < rows; i++) {
         haft_random_normals((haft_random_key){1, HAFT_RANDOM_TEST}, 0, i, 0, columns, z);
     }
-    double time = now() - start;
+    double time = haft_clock_seconds() - start;
     haft_memory_free(z);
     return time;
 }
@@ -244,11 +243,11 @@ static void time_vdw(bench *b, haft_curve *curve, breakdown *t, haft_error *erro
     must(haft_vdw_from_spec(&spec.vdw, &water, error), error);
     for (int k = 0; k < 2; k++) {
         spec.asperities = k == 0 ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
-        double start = now();
+        double start = haft_clock_seconds();
         must(haft_contact_curve(b->work, &spec, b->z, rows_of(c), columns_of(c),
                                 c->surface.grid_step, curve, error),
              error);
-        *(k == 0 ? &t->vdw_islands : &t->vdw_summits) += now() - start;
+        *(k == 0 ? &t->vdw_islands : &t->vdw_summits) += haft_clock_seconds() - start;
     }
 }
 
@@ -262,22 +261,22 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
         own == HAFT_ASPERITY_SUMMITS ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
     for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
         b->contact.asperities = k == 0 ? other : own;
-        double start = now();
+        double start = haft_clock_seconds();
         must(haft_contact_curve(b->work, &b->contact, b->z, rows_of(c), columns_of(c),
                                 c->surface.grid_step, &curve, error),
              error);
         bool summits = b->contact.asperities == HAFT_ASPERITY_SUMMITS;
-        *(summits ? &t->summits : &t->islands) += now() - start;
+        *(summits ? &t->summits : &t->islands) += haft_clock_seconds() - start;
     }
     haft_law_vector vector;
     haft_law law;
-    double start = now();
+    double start = haft_clock_seconds();
     if (haft_law_characterise(b->n, b->distance, b->force, haft_case_limit(c), &vector) ==
         HAFT_LAW_SOUND) {
         haft_law_morse(&law, &vector, haft_case_limit(c));
     }
     haft_contact_zero_force(&curve);
-    t->characterise += now() - start;
+    t->characterise += haft_clock_seconds() - start;
     size_t points = rows_of(c) * columns_of(c), above = 0;
     for (size_t i = 0; i < points; i++) {
         above += b->z[i] > b->distance[0];
@@ -289,22 +288,22 @@ static void break_down(const haft_case *c, double floor) {
     bench b = {0};
     breakdown t = {0};
     haft_error error = {0};
-    double start = now();
+    double start = haft_clock_seconds();
     make_bench(&b, c, &error);
-    t.plan = now() - start;
+    t.plan = haft_clock_seconds() - start;
     size_t patches = haft_study_block_patches(c), sites = sites_of(c), rows = rows_of(c);
     bool whole = c->law.sampler == HAFT_SAMPLER_EXPLICIT;
     for (size_t first = 0; first < sites; first += patches) {
         t.noise += time_noise(&b);
-        start = now();
+        start = haft_clock_seconds();
         must(haft_surface_prepare(b.surface, 0, whole ? 0 : first, whole ? (long)(first * rows) : 0,
                                   &error),
              &error);
-        t.prepare += now() - start;
+        t.prepare += haft_clock_seconds() - start;
         for (size_t p = 0; p < patches && first + p < sites; p++) {
-            start = now();
+            start = haft_clock_seconds();
             must(haft_surface_rows(b.surface, p * rows, rows, b.z, &error), &error);
-            t.rows += now() - start;
+            t.rows += haft_clock_seconds() - start;
             time_patch(&b, &t, &error);
         }
     }
@@ -347,10 +346,10 @@ static void follow(const haft_case *c, int threads, sample *out) {
     haft_path *path = NULL;
     haft_summary summary = {0};
     omp_set_num_threads(threads);
-    double start = now();
+    double start = haft_clock_seconds();
     haft_status status = haft_study_build_laws(&laws, c, NULL, &out->error);
-    out->seconds = now() - start;
-    start = now();
+    out->seconds = haft_clock_seconds() - start;
+    start = haft_clock_seconds();
     if (status == HAFT_OK) {
         status = haft_model_create_beam(&model, &c->beam, &c->mesh, &out->error);
     }
@@ -360,7 +359,7 @@ static void follow(const haft_case *c, int threads, sample *out) {
     if (status == HAFT_OK) {
         status = haft_study_realize(&path, &summary, c, model, sites, false, &out->error);
     }
-    out->zero_distance = now() - start;
+    out->zero_distance = haft_clock_seconds() - start;
     out->e = summary.crack_length;
     haft_path_destroy(&path);
     haft_site_laws_destroy(&sites);

@@ -22,7 +22,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { BEAM_LIMIT = 100, JUMP_LIMIT = 1000 };
@@ -112,10 +111,10 @@ static haft_path *follow(const bench *b, const haft_model *model, const setting 
     *best = INFINITY;
     for (int r = 0; r < rounds; r++) {
         haft_path_destroy(&path);
-        double start = now();
+        double start = haft_clock_seconds();
         must(haft_solve_path(&path, model, b->law[beam], &b->c->programme, &s->options, &error),
              &error);
-        *best = fmin(*best, now() - start);
+        *best = fmin(*best, haft_clock_seconds() - start);
     }
     if (path->outcome != HAFT_OUTCOME_STUCK && path->outcome != HAFT_OUTCOME_FREE) {
         printf("beam %d: %s\n", beam, haft_outcome_name(path->outcome));

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 static double least(double a, double b) {
     return a < b ? a : b;
@@ -28,9 +27,9 @@ static double time_floor(int rows, int columns, int repetitions) {
         for (size_t i = 0; i < half; i++) {
             in[i][0] = in[i][1] = (double)(i % 7) - 3;
         }
-        double start = now();
+        double start = haft_clock_seconds();
         fftw_execute(plan);
-        best = least(best, now() - start);
+        best = least(best, haft_clock_seconds() - start);
     }
     fftw_destroy_plan(plan);
     fftw_free(in);
@@ -45,41 +44,42 @@ static double time_noise(const haft_surface_spec *spec, const haft_surface_facts
     size_t rows = spec->rows / facts->lattice_ratio + 2 * halo;
     size_t columns = spec->columns / facts->lattice_ratio + 2 * halo;
     double *z = fftw_alloc_real(columns);
-    double start = now();
+    double start = haft_clock_seconds();
     for (size_t i = 0; i < rows; i++) {
         haft_random_normals(spec->key, 0, i, 0, columns, z);
     }
-    double time = now() - start;
+    double time = haft_clock_seconds() - start;
     fftw_free(z);
     printf("noise lattice      %zu x %zu\n", rows, columns);
     return time;
 }
 
 static int run(const haft_surface_spec *spec, int repetitions, haft_error *error) {
-    double start = now();
+    double start = haft_clock_seconds();
     haft_surface_plan *plan = NULL;
     haft_surface_work *work = NULL;
     if (haft_surface_plan_create(&plan, spec, error) != HAFT_OK ||
         haft_surface_work_create(&work, plan, error) != HAFT_OK) {
         return 1;
     }
-    double planning = now() - start, prepare = HUGE_VAL, rows = HUGE_VAL, noise = HUGE_VAL;
+    double planning = haft_clock_seconds() - start, prepare = HUGE_VAL, rows = HUGE_VAL,
+           noise = HUGE_VAL;
     haft_surface_facts facts;
     haft_surface_get_facts(plan, &facts);
     double *z = fftw_alloc_real(64 * spec->columns);
     for (int r = 0; r < repetitions; r++) {
-        start = now();
+        start = haft_clock_seconds();
         if (haft_surface_prepare(work, 0, 0, r * (long)spec->rows, error) != HAFT_OK) {
             return 1;
         }
-        double middle = now();
+        double middle = haft_clock_seconds();
         for (size_t row = 0; row < spec->rows; row += 64) {
             size_t n = spec->rows - row < 64 ? spec->rows - row : 64;
             if (haft_surface_rows(work, row, n, z, error) != HAFT_OK) {
                 return 1;
             }
         }
-        rows = least(rows, now() - middle);
+        rows = least(rows, haft_clock_seconds() - middle);
         prepare = least(prepare, middle - start);
     }
     noise = time_noise(spec, &facts);
