@@ -16,7 +16,6 @@
 #include "check.h"
 #include "haft/study.h"
 
-
 static const double lengths[] = {24e-6, 12e-6, 6e-6, 3e-6, 2e-6, 1.5e-6};
 enum { LENGTHS = sizeof lengths / sizeof *lengths, BEAMS = 3 };
 
