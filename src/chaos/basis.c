@@ -283,3 +283,11 @@ haft_status haft_chaos_project(haft_chaos_germ germ, size_t directions, size_t o
     haft_memory_free(memory);
     return status;
 }
+
+size_t haft_chaos_grid_size(size_t points, size_t i) {
+    size_t size = points;
+    for (size_t j = 0; j < i; j++) {
+        size *= points;
+    }
+    return size;
+}

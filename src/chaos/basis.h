@@ -16,4 +16,7 @@ void haft_chaos_recurrence(haft_chaos_germ germ, chaos_recurrence *out);
 /* psi[0 .. order], order at most HAFT_CHAOS_POINTS_LIMIT. */
 void haft_chaos_recur(const chaos_recurrence *recurrence, size_t order, double x, double *psi);
 
+/* points^(i + 1). */
+size_t haft_chaos_grid_size(size_t points, size_t i);
+
 #endif

@@ -5,6 +5,7 @@
  * less than m^-1 e^-75 of the greatest are dropped; together they hold less than e^-75 = 3e-33 of
  * the law. */
 #include "chaos/mixture.h"
+#include "chaos/model.h"
 
 #include <math.h>
 #include <string.h>
@@ -199,8 +200,7 @@ chaos_line haft_chaos_mixture_condition(const chaos_mixture *mixture, haft_chaos
 
 haft_status haft_chaos_work_create(haft_chaos_work **out, const haft_chaos *chaos,
                                    haft_error *error) {
-    haft_chaos_parts parts;
-    haft_chaos_get_parts(chaos, &parts);
+    const haft_chaos_parts parts = chaos->parts;
     size_t padded = chaos_padded(parts.m);
     *out = NULL;
     haft_chaos_work *work = haft_memory_alloc(1, sizeof *work, error);

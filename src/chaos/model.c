@@ -7,14 +7,6 @@
 
 enum { N = HAFT_CHAOS_DIMENSION };
 
-size_t haft_chaos_grid_size(size_t points, size_t i) {
-    size_t size = points;
-    for (size_t j = 0; j < i; j++) {
-        size *= points;
-    }
-    return size;
-}
-
 haft_status haft_chaos_alloc(haft_chaos **out, const haft_chaos_parts *parts, haft_error *error) {
     size_t g = parts->components, m = parts->m;
     *out = NULL;
@@ -63,10 +55,6 @@ void haft_chaos_destroy(haft_chaos **chaos) {
     haft_memory_free(c->index);
     haft_memory_free(c);
     *chaos = NULL;
-}
-
-void haft_chaos_get_parts(const haft_chaos *chaos, haft_chaos_parts *parts) {
-    *parts = chaos->parts;
 }
 
 haft_status haft_chaos_place_kernels(haft_chaos *c, haft_error *error) {
@@ -340,4 +328,8 @@ haft_status haft_chaos_create(haft_chaos **out, size_t m, const haft_law_vector 
     }
     *out = c;
     return status;
+}
+
+void haft_chaos_get_parts(const haft_chaos *chaos, haft_chaos_parts *parts) {
+    *parts = chaos->parts;
 }

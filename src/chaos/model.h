@@ -55,9 +55,6 @@ haft_status haft_chaos_map_grid(const haft_chaos *chaos, size_t points,
                                 double *const value[HAFT_CHAOS_DIMENSION],
                                 haft_error *error) HAFT_MUST_CHECK;
 
-/* points^(i + 1). */
-size_t haft_chaos_grid_size(size_t points, size_t i);
-
 /* The expansion at CHAOS_TOGETHER germs x[i][lane], as coordinates of the map. */
 enum { CHAOS_TOGETHER = 8 };
 void haft_chaos_expand_lanes(const haft_chaos *chaos,

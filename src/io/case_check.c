@@ -18,16 +18,6 @@ enum {
 };
 static const double PATCH_POINTS_MOST = 1e9;
 
-bool haft_case_is_sound(const haft_case_reader *reader, const char *path) {
-    int key = haft_case_find_key(path);
-    return key >= 0 && (reader->state[key] == HAFT_GOOD || reader->state[key] == HAFT_DEFAULTED);
-}
-
-bool haft_case_is_given(const haft_case_reader *reader, const char *path) {
-    int key = haft_case_find_key(path);
-    return key >= 0 && reader->state[key] == HAFT_GOOD;
-}
-
 static haft_mark place(const haft_case_reader *reader, const char *path) {
     return reader->mark[haft_case_find_key(path)];
 }

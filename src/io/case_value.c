@@ -343,3 +343,13 @@ bool haft_case_store(haft_case_reader *reader, int index, size_t entry, const ch
     }
     return false;
 }
+
+bool haft_case_is_sound(const haft_case_reader *reader, const char *path) {
+    int key = haft_case_find_key(path);
+    return key >= 0 && (reader->state[key] == HAFT_GOOD || reader->state[key] == HAFT_DEFAULTED);
+}
+
+bool haft_case_is_given(const haft_case_reader *reader, const char *path) {
+    int key = haft_case_find_key(path);
+    return key >= 0 && reader->state[key] == HAFT_GOOD;
+}

@@ -152,6 +152,10 @@ haft_hdf_found haft_hdf_get_attribute(hid_t object, const char *name, haft_hdf_k
 
 /* ---- digests of what a file holds: hdf_contents.c ---- */
 
+/* The list's dataset, and the attribute with the digest of the list itself. */
+#define HAFT_HDF_CONTENTS "/contents"
+#define HAFT_HDF_CONTENTS_DIGEST "contents_digest"
+
 /* From here on each dataset and attribute that is written gets a line in the list. */
 void haft_hdf_list_begin(haft_hdf *hdf);
 void haft_hdf_list_dataset(haft_hdf *hdf, const char *path, haft_hdf_type type, int rank,

@@ -10,7 +10,6 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "digests are of little-endian numbers");
 
-static const char CONTENTS[] = "/contents", CONTENTS_DIGEST[] = "contents_digest";
 /* The only dataset that a run of the same case gives other values: a digest of them would make the
  * file differ in one more place. */
 static const char TIMES[] = "/summary/seconds";
@@ -100,20 +99,6 @@ void haft_hdf_list_attribute(haft_hdf *hdf, const char *object, const char *name
     }
 }
 
-void haft_hdf_list_write(haft_hdf *hdf) {
-    haft_hdf_list *list = &hdf->contents;
-    if (!list->kept) {
-        return;
-    }
-    char digest[HAFT_DIGEST_CAPACITY];
-    hsize_t dims[1] = {list->used};
-    list->kept = false; /* of itself it has no line */
-    haft_digest_memory(list->text, list->used, digest);
-    haft_hdf_write(hdf, CONTENTS, HAFT_HDF_BYTE, 1, dims, list->text, "1",
-                   "characters of a text; a line a dataset or attribute: XXH3-128 digest, path");
-    haft_hdf_write_text(hdf, "/", CONTENTS_DIGEST, digest);
-}
-
 void haft_hdf_list_release(haft_hdf *hdf) {
     haft_memory_free(hdf->contents.text);
     hdf->contents = (haft_hdf_list){.text = NULL};
@@ -123,16 +108,16 @@ void haft_hdf_list_release(haft_hdf *hdf) {
 
 char *haft_hdf_list_read(haft_hdf *hdf) {
     size_t n = 0;
-    if (!haft_hdf_has(hdf, CONTENTS)) {
+    if (!haft_hdf_has(hdf, HAFT_HDF_CONTENTS)) {
         return NULL;
     }
-    haft_hdf_shape(hdf, CONTENTS, 1, &n);
+    haft_hdf_shape(hdf, HAFT_HDF_CONTENTS, 1, &n);
     char *text = hdf->status == HAFT_OK ? haft_memory_alloc(n + 1, 1, hdf->error) : NULL;
     if (hdf->status == HAFT_OK && text == NULL) {
         hdf->status = HAFT_ERROR_MEMORY;
     }
     if (text != NULL) {
-        haft_hdf_read(hdf, CONTENTS, HAFT_HDF_BYTE, 1, &n, text);
+        haft_hdf_read(hdf, HAFT_HDF_CONTENTS, HAFT_HDF_BYTE, 1, &n, text);
     }
     if (hdf->status != HAFT_OK) {
         haft_memory_free(text);
@@ -249,7 +234,7 @@ static void verify_lines(haft_hdf *hdf, char *list, found *differs, found *missi
         end = strchr(line, '\n');
         char *path = strchr(line, ' ');
         if (end == NULL || path == NULL || path > end) {
-            haft_hdf_refuse(hdf, "has lines in %s that are no digest and path", CONTENTS);
+            haft_hdf_refuse(hdf, "has lines in %s that are no digest and path", HAFT_HDF_CONTENTS);
             return;
         }
         *end = *path++ = '\0';
@@ -281,13 +266,13 @@ static void refuse_changes(haft_hdf *hdf, const found *differs, const found *mis
 /* The list against its own digest. */
 static void verify_list(haft_hdf *hdf, const char *list) {
     char *noted = NULL, digest[HAFT_DIGEST_CAPACITY];
-    haft_hdf_read_text(hdf, "/", CONTENTS_DIGEST, &noted);
+    haft_hdf_read_text(hdf, "/", HAFT_HDF_CONTENTS_DIGEST, &noted);
     haft_digest_memory(list, strlen(list), digest);
     if (hdf->status == HAFT_OK && strcmp(noted, digest) != 0) {
         haft_hdf_refuse(hdf,
                         "was changed since Haft wrote it, and so was its list of digests, %s, so "
                         "that it cannot be said where",
-                        CONTENTS);
+                        HAFT_HDF_CONTENTS);
     }
     haft_memory_free(noted);
 }
@@ -295,8 +280,8 @@ static void verify_list(haft_hdf *hdf, const char *list) {
 bool haft_hdf_verify(haft_hdf *hdf) {
     char *list = haft_hdf_list_read(hdf);
     if (list == NULL) {
-        if (hdf->status == HAFT_OK && haft_hdf_has_attribute(hdf, "/", CONTENTS_DIGEST)) {
-            haft_hdf_refuse(hdf, "was changed since Haft wrote it: missing: %s", CONTENTS);
+        if (hdf->status == HAFT_OK && haft_hdf_has_attribute(hdf, "/", HAFT_HDF_CONTENTS_DIGEST)) {
+            haft_hdf_refuse(hdf, "was changed since Haft wrote it: missing: %s", HAFT_HDF_CONTENTS);
         }
         return false;
     }

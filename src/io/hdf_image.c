@@ -90,3 +90,9 @@ hid_t haft_hdf_open_image(const void *bytes, size_t size) {
     }
     return file;
 }
+
+hid_t haft_hdf_native_type(haft_hdf_type type) {
+    return type == HAFT_HDF_REAL  ? H5T_NATIVE_DOUBLE
+           : type == HAFT_HDF_INT ? H5T_NATIVE_INT
+                                  : H5T_NATIVE_UCHAR;
+}

@@ -158,12 +158,6 @@ static hid_t stored_type(haft_hdf_type type) {
                                   : H5T_STD_U8LE;
 }
 
-hid_t haft_hdf_native_type(haft_hdf_type type) {
-    return type == HAFT_HDF_REAL  ? H5T_NATIVE_DOUBLE
-           : type == HAFT_HDF_INT ? H5T_NATIVE_INT
-                                  : H5T_NATIVE_UCHAR;
-}
-
 /* Into the group `at`, or the file. */
 static void write_dataset(haft_hdf *hdf, hid_t at, const char *path, haft_hdf_type type, int rank,
                           const hsize_t *dims, const void *value, const char *unit,
@@ -312,4 +306,18 @@ haft_status haft_hdf_store(haft_hdf *hdf, haft_store *store) {
         haft_store_abandon(store);
     }
     return hdf->status;
+}
+
+void haft_hdf_list_write(haft_hdf *hdf) {
+    haft_hdf_list *list = &hdf->contents;
+    if (!list->kept) {
+        return;
+    }
+    char digest[HAFT_DIGEST_CAPACITY];
+    hsize_t dims[1] = {list->used};
+    list->kept = false; /* of itself it has no line */
+    haft_digest_memory(list->text, list->used, digest);
+    haft_hdf_write(hdf, HAFT_HDF_CONTENTS, HAFT_HDF_BYTE, 1, dims, list->text, "1",
+                   "characters of a text; a line a dataset or attribute: XXH3-128 digest, path");
+    haft_hdf_write_text(hdf, "/", HAFT_HDF_CONTENTS_DIGEST, digest);
 }

@@ -10,9 +10,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -56,11 +54,6 @@ static haft_status check_goal(const haft_store *store, haft_error *error) {
                               store->path);
     }
     return store->overwrite ? HAFT_OK : already_there(store->path, error);
-}
-
-void haft_store_name(char *name, size_t capacity, const char *path, int number) {
-    snprintf(name, capacity, number == 0 ? "%s.tmp.%ld" : "%s.tmp.%ld.%d", path, (long)getpid(),
-             number);
 }
 
 /* The folder that a path lies in; false if its name is too long. */
@@ -207,23 +200,6 @@ haft_status haft_store_commit(haft_store *store, haft_error *error) {
     return HAFT_OK;
 }
 
-/* Is this what a process that is no more left of `prefix`? Its number follows, and perhaps another
- * (haft_store_name); files of any other name are not Haft's. */
-static bool is_stale(const char *name, const char *prefix) {
-    static const char digits[] = "0123456789";
-    size_t n = strlen(prefix), maker = strncmp(name, prefix, n) == 0 ? strspn(name + n, digits) : 0;
-    if (maker == 0 || maker > 9 || name[n] == '0') {
-        return false;
-    }
-    const char *rest = name + n + maker;
-    size_t second = *rest == '.' ? strspn(rest + 1, digits) : 0;
-    if (*rest != '\0' && (second == 0 || rest[1 + second] != '\0')) {
-        return false;
-    }
-    pid_t process = (pid_t)strtol(name + n, NULL, 10);
-    return process != getpid() && kill(process, 0) != 0 && errno == ESRCH;
-}
-
 void haft_io_drop_stale(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash == NULL ? path : slash + 1;
     char folder[4096], stale[4096 + 256], prefix[300];
@@ -235,7 +211,7 @@ void haft_io_drop_stale(const char *path) {
         return;
     }
     for (struct dirent *e = readdir(entries); e != NULL; e = readdir(entries)) {
-        if (is_stale(e->d_name, prefix)) {
+        if (haft_store_is_stale(e->d_name, prefix)) {
             snprintf(stale, sizeof stale, "%s/%s", folder, e->d_name);
             if (unlink(stale) != 0) {
                 haft_parts_discard(stale);

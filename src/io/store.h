@@ -16,6 +16,9 @@ typedef struct haft_store {
  * haft_io_drop_stale() knows it; it takes up to 64 characters more than the path. */
 void haft_store_name(char *name, size_t capacity, const char *path, int number);
 
+/* Whether a name of such a file, `prefix` and numbers, is of a process that is no more. */
+bool haft_store_is_stale(const char *name, const char *prefix);
+
 /* Makes the temporary file in the folder of `path`, so that a folder that cannot be written is told
  * at once. Returns HAFT_ERROR_EXISTS if `path` is there and is not to be overwritten. */
 haft_status haft_store_open(haft_store *store, const char *path, bool overwrite,

@@ -6,7 +6,9 @@
  * work of the load, integrated from both ends' derivatives (quintic, error O(dtau^7)). The ledger
  * bounds the step's size, and a step that hopped to another branch shows in it as energy missing.
  */
-#include "tracker.h"
+#include "branch.h"
+#include "active_mesh.h"
+#include "corrector.h"
 
 #include <math.h>
 #include <string.h>
@@ -276,7 +278,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->defect = INFINITY;
     step->allowed = 0;
     step->failure = HAFT_OUTCOME_NOT_CONVERGED;
-    if (t->at > 0 && !haft_zone_is_clear(t, t->next.u)) {
+    if (t->at > 0 && !haft_active_mesh_is_clear(t, t->next.u)) {
         return HAFT_STEP_LEAVES; /* on to a wider mesh, before any work is done on this one */
     }
     if (!haft_corrector_solve(t, step->parameter, value, &t->next)) {
@@ -287,8 +289,8 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }
-    if (!haft_zone_is_clear(t, t->next.u) ||
-        haft_zone_unbalance(t) > UNBALANCE_SHARE * t->residual) {
+    if (!haft_active_mesh_is_clear(t, t->next.u) ||
+        haft_active_mesh_unbalance(t) > UNBALANCE_SHARE * t->residual) {
         return HAFT_STEP_LEAVES;
     }
     step->inertia = haft_branch_certify(t);

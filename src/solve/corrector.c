@@ -8,7 +8,7 @@
  * parameter's row) to H, which changes nothing where the constraint holds but keeps the matrix
  * definite through a simple fold, and eliminates the border with two solves. The matrix that KINSOL
  * is given is a name for the tracker's own Hessian, so that nothing is copied. */
-#include "tracker.h"
+#include "corrector.h"
 #include "vectors.h"
 
 #include <kinsol/kinsol.h>

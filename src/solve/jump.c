@@ -15,6 +15,9 @@
  *
  * And a path begins with one where the unloaded beam is pulled from its place by what it feels
  * there. */
+#include "active_mesh.h"
+#include "landing.h"
+#include "limit_point.h"
 #include "walker.h"
 
 #include <math.h>
@@ -37,7 +40,7 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
 static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, const double *away,
                                    double fold_defect) {
     haft_tracker *t = w->t;
-    haft_zone_enter(t, t->at); /* a jump may move what its branch did not */
+    haft_active_mesh_enter(t, t->at); /* a jump may move what its branch did not */
     haft_jump jump = {.phase = w->phase,
                       .load = t->here.load * t->load_unit,
                       .crack_before = haft_tracker_crack(t, &t->here),
@@ -51,9 +54,9 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
     double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
     haft_model_gaps(t->model, t->here.u, t->gap_before);
     size_t at = t->at;
-    haft_outcome outcome = haft_flow_land(t, away, &jump.flow_steps);
+    haft_outcome outcome = haft_landing_follow(t, away, &jump.flow_steps);
     if (outcome != HAFT_OUTCOME_STUCK) {
-        haft_zone_enter(t, at);
+        haft_active_mesh_enter(t, at);
         return outcome;
     }
     if (departure != HAFT_DEPARTURE_FOLD) { /* it was searched for with ever shorter steps */
@@ -89,7 +92,7 @@ static bool is_too_long(const haft_tracker *t, const haft_step *step) {
 haft_step_result haft_jump_locate_fold(haft_walker *w, haft_step *step, double limit,
                                        double *defect) {
     haft_tracker *t = w->t;
-    if (is_too_long(t, step) || !haft_fold_locate(t, step, w->direction, defect)) {
+    if (is_too_long(t, step) || !haft_limit_point_locate(t, step, w->direction, defect)) {
         return HAFT_STEP_REJECTED;
     }
     if ((t->next.load - limit) * w->direction >= 0) {
@@ -110,7 +113,7 @@ haft_outcome haft_jump_at_fold(haft_walker *w, const haft_step *step, double def
 
 /* Pi at the load of `here`, at here + amplitude * null. */
 static double energy_beside(haft_tracker *t, double amplitude) {
-    memcpy(t->spare.u, t->here.u, t->zone[t->at].model->dofs * sizeof(double));
+    memcpy(t->spare.u, t->here.u, t->mesh[t->at].model->dofs * sizeof(double));
     for (size_t i = 0; i < t->n; i++) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }

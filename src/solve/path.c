@@ -1,97 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The programme: load to the crack length asked for, unload to nothing, jump by jump. */
+#include "active_mesh.h"
+#include "branch.h"
 #include "walker.h"
 
 #include <math.h>
 
-/* A crack is as short as asked within this share: its tip rests at the borders of patches for a
- * while, and a length asked for there must not be missed by rounding. */
-#define CRACK_TOLERANCE 1e-9
-
-/* Sites that move by less than this share of the most are held, but for a few, if no more than such
- * a share of the unknowns is left to move; and later more of them, if that is worth it. */
-#define STILL_SHARE 1e-10
-#define STILL_MOST 0.85
-enum { SPARE_SITES = 8, WORTH_SITES = 32 };
-
 /* A wall pressed in by so many ranges more than the gap is pressed through. */
 #define DEEP_RANGES 100
-
-void haft_walker_swap(haft_tracker *t) {
-    haft_state state = t->here;
-    t->here = t->next;
-    t->next = state;
-}
-
-void haft_walker_book(haft_walker *w, double work, double dissipated) {
-    w->ledger.work += work;
-    w->ledger.turnover += fabs(work);
-    w->ledger.dissipated += dissipated;
-}
-
-void haft_walker_record(haft_walker *w, int jump) {
-    if (haft_record_point(w->path, w->t, &w->ledger, w->phase, jump, w->error) != HAFT_OK) {
-        w->failed = true;
-    }
-    w->t->not_finite = 0;
-}
-
-double haft_walker_excess(const haft_walker *w, haft_state *state) {
-    return haft_tracker_crack(w->t, state) - w->t->programme.crack_length * (1 + CRACK_TOLERANCE);
-}
-
-bool haft_walker_reached(const haft_walker *w, haft_state *state) {
-    return w->direction > 0 && haft_walker_excess(w, state) <= 0;
-}
-
-/* `here` on the mesh just entered. */
-static void settle(haft_walker *w) {
-    haft_branch_certify(w->t);
-    w->arrived = false;
-}
-
-void haft_walker_unfreeze(haft_walker *w) {
-    haft_zone_unfreeze(w->t, &w->t->here);
-    settle(w);
-}
-
-bool haft_walker_widen(haft_walker *w) {
-    haft_tracker *t = w->t;
-    if (haft_zone_is_frozen(t) && haft_zone_is_clear(t, t->next.u)) {
-        haft_walker_unfreeze(w);
-        return true;
-    }
-    if (!haft_zone_widen(t, &t->here, t->next.u)) {
-        return false;
-    }
-    settle(w);
-    return true;
-}
-
-/* Holds what hardly moves with the load at `here`, just certified, where that is much of the mesh,
- * or more than is held already. */
-static void hold(haft_walker *w) {
-    haft_tracker *t = w->t;
-    bool held = haft_zone_is_frozen(t);
-    size_t sites = haft_tracker_stirred(t, STILL_SHARE) + SPARE_SITES;
-    if (held && sites + WORTH_SITES > t->model->sites) {
-        return;
-    }
-    if (!haft_zone_freeze(t, &t->here, &t->next, sites, STILL_MOST)) {
-        if (held) {
-            haft_walker_unfreeze(w);
-        }
-    } else if (!w->arrived) {
-        haft_branch_certify(t);
-    }
-}
-
-void haft_walker_narrow(haft_walker *w, const double *before) {
-    if (haft_zone_narrow(w->t, &w->t->here, before)) {
-        settle(w);
-    }
-    hold(w);
-}
 
 /* Whether the load, which nothing limits, presses a wall in deeper than the gap is high: it will
  * not reach the crack length asked for. */
@@ -168,7 +84,7 @@ static haft_outcome walk(haft_walker *w) {
     if (t->here.load > 0) {
         outcome = follow(w);
     }
-    haft_zone_enter(t, t->at);
+    haft_active_mesh_enter(t, t->at);
     if (outcome != HAFT_OUTCOME_STUCK) {
         return outcome;
     }

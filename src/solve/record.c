@@ -53,7 +53,7 @@ static void copy_state(const haft_tracker *t, double *u) {
     if (t->at == 0) {
         memcpy(u, t->here.u, t->whole->dofs * sizeof *u);
     } else {
-        haft_model_carry(t->zone[t->at].model, t->whole, t->here.u, u);
+        haft_model_carry(t->mesh[t->at].model, t->whole, t->here.u, u);
     }
 }
 

@@ -3,7 +3,7 @@
 #ifndef HAFT_SOLVE_RECORD_H
 #define HAFT_SOLVE_RECORD_H
 
-#include "tracker.h"
+#include "branch.h"
 
 /* Sums from the start of the path [J]. */
 typedef struct haft_ledger {

@@ -3,6 +3,7 @@
  * which its force changes, so that a fold of the load is an ordinary point of the step; where a gap
  * would pass a kink of its law, the step ends on the kink, so that every step's derivatives are
  * smooth. */
+#include "active_mesh.h"
 #include "walker.h"
 
 #include <math.h>
@@ -268,7 +269,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
         defect_before = step.defect;
         shrink(w, &step);
     }
-    if (haft_zone_is_frozen(t)) { /* the whole of it may get on */
+    if (haft_active_mesh_is_frozen(t)) { /* the whole of it may get on */
         haft_walker_unfreeze(w);
         w->step_size = t->options.gap_step;
         return HAFT_OUTCOME_STUCK;

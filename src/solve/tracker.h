@@ -41,13 +41,13 @@ typedef struct haft_parameter {
 
 typedef struct haft_corrector haft_corrector;
 
-/* A mesh of the beam, and what solves on it. */
-typedef struct haft_zone {
+/* A mesh of the beam, and what solves on it; see active_mesh.h. */
+typedef struct haft_active_mesh {
     const haft_model *model;
     haft_factor *factor; /* of the Hessian last asked for */
     haft_corrector *corrector;
     haft_diagonals *mass;
-} haft_zone;
+} haft_active_mesh;
 
 enum { HAFT_SITE_SCRATCH = 5 };
 
@@ -60,8 +60,8 @@ typedef struct haft_frozen {
 
 typedef struct haft_tracker {
     const haft_model *whole; /* the mesh of the path's states; all vectors have room for its */
-    haft_zone *zone;         /* zones: on it and on its shorter ones, in their order */
-    size_t zones, at;        /* and the one in use, which those down to n are of */
+    haft_active_mesh *mesh;  /* the whole mesh and its shorter ones, in their order */
+    size_t meshes, at;       /* their number, and the one in use: of it are the members down to n */
     const haft_model *model;
     haft_factor *factor;
     haft_corrector *corrector;
@@ -205,138 +205,5 @@ size_t haft_tracker_stirred(const haft_tracker *t, double share);
 
 /* Crack length of a state [m], computed once. */
 double haft_tracker_crack(const haft_tracker *t, haft_state *state);
-
-/* ---- zone.c: the active mesh ---- */
-
-/* Creates one zone per mesh of the beam, and puts the whole mesh in use. */
-haft_status haft_zones_create(haft_tracker *t, haft_error *error);
-void haft_zones_destroy(haft_tracker *t);
-
-/* Whether the laws of all sites that the mesh in use leaves out are zero. */
-bool haft_zone_is_clear(const haft_tracker *t, const double *u);
-
-/* Puts zone `at` in use, with no part frozen. */
-void haft_zone_enter(haft_tracker *t, size_t at);
-
-/* Freezes the part behind the first `sites` sites, or a few more, as it is in `state`, until a zone
- * is entered. The tracker's model is then the moving part, and t->n its number of unknowns;
- * energies remain those of the whole. The frozen part is copied to `other`. @return false, and
- * nothing is frozen, where more than the share `most` of the unknowns would still move. */
-bool haft_zone_freeze(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
-                      double most);
-
-/* Unfreezes, and evaluates a state. @return false if it is not finite. */
-bool haft_zone_unfreeze(haft_tracker *t, haft_state *state);
-
-/* The residual at the frozen node: the change of the forces on it since it was frozen, in the state
- * last evaluated. */
-double haft_zone_unbalance(const haft_tracker *t);
-
-static inline bool haft_zone_is_frozen(const haft_tracker *t) {
-    return t->model == &t->front;
-}
-
-/* Moves a state to a longer mesh that includes all sites it would touch at u = `ahead`; or to the
- * shortest one that includes all it may touch soon, coming from u = `before` (NULL: at rest). The
- * state is evaluated there, with the gaps of all sites. @return false if there is no such mesh. */
-bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead);
-bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before);
-
-/* ---- corrector.c: KINSOL on the bordered system ---- */
-
-haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const haft_model *model,
-                                  haft_error *error);
-void haft_corrector_destroy(haft_corrector **corrector);
-
-/* Solves for the first n unknowns alone from now on. @return false, and nothing changes, where the
- * linear solver cannot. */
-bool haft_corrector_use_leading(haft_corrector *corrector, size_t n);
-
-/* Solves grad Pi = 0 with the parameter at `value`, from the state given; leaves the Hessian at the
- * solution in t->hessian. @return false if it did not converge. */
-bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double value,
-                          haft_state *state);
-
-/* ---- branch.c ---- */
-
-/* Factors the Hessian at the state last evaluated and sets t->solution. @return its inertia,
- * with negative = -1 if it could not be factored. */
-haft_inertia haft_branch_certify(haft_tracker *t);
-
-/* Whether solutions by the current factor, of the state last evaluated, lose too many digits. */
-bool haft_branch_loses_digits(haft_tracker *t);
-
-/* Derivatives at a certified state. `side` is the sign of dtau of the motion on whose side the
- * laws' kinks are read: where it leads when leaving, where it comes from (pass -sign) when
- * arriving. */
-void haft_branch_derive(haft_tracker *t, const haft_state *state, haft_parameter parameter,
-                        int side, haft_branch *out);
-
-/* The same branch by another parameter: derivatives by the chain rule. @return the dtau of the new
- * parameter that one unit of the old one's is, to first order. */
-double haft_branch_rebase(const haft_tracker *t, haft_parameter parameter, haft_branch *branch);
-
-/* The predictor: extrapolates `here` by dtau into `next`, by the derivatives at `here`. */
-void haft_branch_predict(haft_tracker *t, double dtau);
-
-/* Work of the load [J] between `here` and `next` over dtau, by quintic interpolation of load and
- * deflection from both ends' derivatives. */
-double haft_branch_work(const haft_tracker *t, double dtau);
-
-/* Smallest eigenvalue of H phi = lambda M phi at the certified state, by inverse iteration. */
-double haft_branch_least_eigenvalue(haft_tracker *t);
-
-typedef enum haft_step_result {
-    HAFT_STEP_TAKEN,
-    HAFT_STEP_REJECTED,
-    HAFT_STEP_LEAVES, /* a site that the mesh leaves out would come into reach, or what is held
-                         would move */
-    HAFT_STEP_ENERGY_CHECK_FAILED, /* sound, but the energy ledger is off by more than allowed */
-    HAFT_STEP_DIPS,                /* sound, but two folds may lie inside: to be cut at step->dip */
-    HAFT_STEP_FOLD,     /* the branch turned: dP/dtau changed sign, one eigenvalue went negative */
-    HAFT_STEP_UNSTABLE, /* an eigenvalue went negative though the load did not turn */
-} haft_step_result;
-
-/* A step tried: `next`, its certificate and its ledger. */
-typedef struct haft_step {
-    haft_parameter parameter;
-    int sign;     /* of dtau */
-    bool at_kink; /* it was to end on a law's kink */
-    double dtau;
-    double work;          /* of the load [J] */
-    double defect;        /* energy gained - work [J] */
-    double allowed;       /* what the defect may be [J] */
-    double dip;           /* share of dtau at which the load's rate is least */
-    double moved;         /* largest scaled displacement from prediction to solution */
-    haft_outcome failure; /* outcome of the path if no shorter step succeeds */
-    haft_inertia inertia;
-} haft_step;
-
-/* Computes the step's work, defect and allowance from `here` to `next`. */
-void haft_branch_book(haft_tracker *t, haft_step *step);
-
-/* The order of the defect in the step size: that of the quintic where the laws are smooth, less at
- * the knots of tables. */
-double haft_branch_defect_order(const haft_tracker *t, haft_parameter parameter);
-
-/* Predicts, corrects, certifies and accounts for a step from `here`, whose derivatives are in
- * t->start. */
-haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction);
-
-/* ---- fold.c ---- */
-
-/* Given a step that ended in HAFT_STEP_FOLD, puts the fold into t->next and its null vector, scaled
- * by the parameter, into t->null; step->dtau, work and defect become those of the stretch up to the
- * fold. @return false if it could not be located. */
-bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *defect);
-
-/* ---- flow.c ---- */
-
-/* Follows M u' = -grad Pi at the load of `here` from here + a little of `away` until it rests in a
- * stable, certified equilibrium, which goes into `here`. With `away` NULL it starts from `here`
- * itself, which is no equilibrium; no steps are made if Newton's step from there is small. The gaps
- * of `here` are in t->gap_before.
- * @return HAFT_OUTCOME_STUCK when landed, else why not. */
-haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps);
 
 #endif

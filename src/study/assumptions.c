@@ -6,6 +6,7 @@
 #include "findings.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 
 /* Correlation lengths that a patch should span. */
@@ -277,4 +278,15 @@ haft_status haft_findings_of_model(haft_findings *out, const haft_evidence *e, h
     find_menisci(out, e);
     find_curves(out, e);
     return status == HAFT_OK ? find_walls(out, e, error) : status;
+}
+
+void haft_findings_add(haft_findings *out, const haft_finding *facts, const char *format, ...) {
+    if (out->count < HAFT_FINDINGS_MAX) {
+        haft_finding *f = &out->finding[out->count++];
+        *f = *facts;
+        va_list args;
+        va_start(args, format);
+        vsnprintf(f->text, sizeof f->text, format, args);
+        va_end(args);
+    }
 }

@@ -57,15 +57,6 @@ static size_t columns_of(const haft_case *c) {
     return (size_t)llround(c->beam.width / c->surface.grid_step);
 }
 
-size_t haft_study_sites(const haft_case *c) {
-    return (size_t)llround(c->beam.length / c->mesh.l_meso);
-}
-
-size_t haft_study_first_site(const haft_case *c) {
-    return haft_sampler_is_stochastic(c->law.sampler) ? 0
-                                                      : haft_mesh_inert_sites(&c->beam, &c->mesh);
-}
-
 size_t haft_study_law_count(const haft_case *c) {
     return haft_sampler_is_stochastic(c->law.sampler)
                ? c->law.chaos.vectors

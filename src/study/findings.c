@@ -5,7 +5,6 @@
 #include "findings.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 
 /* Points a shortest wave should have; two carry it. */
@@ -17,17 +16,6 @@ static const double END_BOUND = 0.01;
 /* Half width of the mean's interval over the mean, and beams from which its law is trusted. */
 static const double MEAN_BOUND = 0.02;
 static const size_t BEAMS_LEAST = 10;
-
-void haft_findings_add(haft_findings *out, const haft_finding *facts, const char *format, ...) {
-    if (out->count < HAFT_FINDINGS_MAX) {
-        haft_finding *f = &out->finding[out->count++];
-        *f = *facts;
-        va_list args;
-        va_start(args, format);
-        vsnprintf(f->text, sizeof f->text, format, args);
-        va_end(args);
-    }
-}
 
 haft_status haft_study_correlation_length(double *length, const haft_case *c, double share,
                                           haft_error *error) {

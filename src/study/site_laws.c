@@ -231,3 +231,12 @@ void haft_site_laws_destroy(haft_site_laws **laws) {
     haft_memory_free(s);
     *laws = NULL;
 }
+
+size_t haft_study_sites(const haft_case *c) {
+    return (size_t)llround(c->beam.length / c->mesh.l_meso);
+}
+
+size_t haft_study_first_site(const haft_case *c) {
+    return haft_sampler_is_stochastic(c->law.sampler) ? 0
+                                                      : haft_mesh_inert_sites(&c->beam, &c->mesh);
+}

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Means of spectra over rings of wave vectors. */
+/* Windows, and means of windowed spectra over rings of wave vectors. */
 #ifndef HAFT_SURFACE_SPECTRUM_H
 #define HAFT_SURFACE_SPECTRUM_H
 
@@ -10,6 +10,9 @@ typedef struct haft_rings {
     double *edge;              /* n + 1 */
     double *weight, *zeta, *s; /* sums over modes, of 1, zeta and s */
 } haft_rings;
+
+/* The window at pixel i of n. */
+double haft_window_value(haft_window window, size_t i, size_t n);
 
 /* Rings from half the coarsest mode, `width`, to the highest wave number. */
 haft_status haft_rings_create(haft_rings *rings, double width, double most, haft_error *error);

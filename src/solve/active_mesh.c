@@ -9,7 +9,8 @@
  *
  * Behind its front neither a step nor a landing moves what has come to rest, or hardly. While that
  * is held, a mesh is its front part alone. */
-#include "tracker.h"
+#include "active_mesh.h"
+#include "corrector.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,15 +24,15 @@ static bool lead(haft_tracker *t, size_t n) {
     return haft_factor_use_leading(t->factor, n) && haft_corrector_use_leading(t->corrector, n);
 }
 
-void haft_zone_enter(haft_tracker *t, size_t at) {
-    const haft_zone *zone = &t->zone[at];
+void haft_active_mesh_enter(haft_tracker *t, size_t at) {
+    const haft_active_mesh *mesh = &t->mesh[at];
     t->at = at;
-    t->model = zone->model;
-    t->factor = zone->factor;
-    t->corrector = zone->corrector;
-    t->mass = zone->mass;
+    t->model = mesh->model;
+    t->factor = mesh->factor;
+    t->corrector = mesh->corrector;
+    t->mass = mesh->mass;
     t->frozen = (haft_frozen){0};
-    lead(t, zone->model->dofs);
+    lead(t, mesh->model->dofs);
 }
 
 static haft_energy subtract(haft_energy a, haft_energy b) {
@@ -41,7 +42,7 @@ static haft_energy subtract(haft_energy a, haft_energy b) {
 /* What is held does not move: neither by what is left over from when it did, nor from the one state
  * to the other. */
 static void keep_still(haft_tracker *t, const haft_state *state, haft_state *other) {
-    const haft_model *m = t->zone[t->at].model;
+    const haft_model *m = t->mesh[t->at].model;
     double *still[] = {t->solution, t->null,     t->mode,       t->start.u1,   t->start.u2,
                        t->end.u1,   t->end.u2,   t->rebased.u1, t->rebased.u2, t->stage[0],
                        t->stage[1], t->stage[2], t->scratch[0], t->scratch[1]};
@@ -54,13 +55,13 @@ static void keep_still(haft_tracker *t, const haft_state *state, haft_state *oth
     memcpy(other->gap + first, state->gap + first, sites * sizeof(double));
 }
 
-bool haft_zone_freeze(haft_tracker *t, const haft_state *state, haft_state *other, size_t sites,
-                      double most) {
-    const haft_model *m = t->zone[t->at].model;
+bool haft_active_mesh_freeze(haft_tracker *t, const haft_state *state, haft_state *other,
+                             size_t sites, double most) {
+    const haft_model *m = t->mesh[t->at].model;
     size_t moving = 0;
     haft_model front = haft_model_front(m, sites, &moving);
     if (t->options.whole_mesh || (double)moving > most * (double)m->dofs || !lead(t, moving)) {
-        haft_zone_enter(t, t->at);
+        haft_active_mesh_enter(t, t->at);
         return false;
     }
     t->front = front;
@@ -74,58 +75,58 @@ bool haft_zone_freeze(haft_tracker *t, const haft_state *state, haft_state *othe
     return true;
 }
 
-bool haft_zone_unfreeze(haft_tracker *t, haft_state *state) {
-    haft_zone_enter(t, t->at);
+bool haft_active_mesh_unfreeze(haft_tracker *t, haft_state *state) {
+    haft_active_mesh_enter(t, t->at);
     return haft_tracker_visit(t, state);
 }
 
-double haft_zone_unbalance(const haft_tracker *t) {
-    if (!haft_zone_is_frozen(t)) {
+double haft_active_mesh_unbalance(const haft_tracker *t) {
+    if (!haft_active_mesh_is_frozen(t)) {
         return 0;
     }
     const double *now = t->gradient + t->n, *then = t->frozen.force;
     return fmax(fabs(now[0] - then[0]), fabs(now[1] - then[1]));
 }
 
-static haft_status create_zone(haft_tracker *t, haft_zone *zone, haft_error *error) {
-    const haft_model *m = zone->model;
+static haft_status create_solvers(haft_tracker *t, haft_active_mesh *mesh, haft_error *error) {
+    const haft_model *m = mesh->model;
     haft_factor_kind kind =
         t->options.linear_solver == HAFT_LINEAR_SOLVER_KLU ? HAFT_FACTOR_KLU : HAFT_FACTOR_BAND;
     haft_status status =
-        haft_factor_create(&zone->factor, kind, m->dofs, m->column, m->row, m->stiffness, error);
+        haft_factor_create(&mesh->factor, kind, m->dofs, m->column, m->row, m->stiffness, error);
     if (status == HAFT_OK) {
-        status = haft_diagonals_create(&zone->mass, m->dofs, m->column, m->row, m->mass, error);
+        status = haft_diagonals_create(&mesh->mass, m->dofs, m->column, m->row, m->mass, error);
     }
-    return status == HAFT_OK ? haft_corrector_create(&zone->corrector, t, m, error) : status;
+    return status == HAFT_OK ? haft_corrector_create(&mesh->corrector, t, m, error) : status;
 }
 
-haft_status haft_zones_create(haft_tracker *t, haft_error *error) {
+haft_status haft_active_meshes_create(haft_tracker *t, haft_error *error) {
     for (const haft_model *m = t->whole; m != NULL; m = m->shorter) {
-        t->zones += t->zones == 0 || !t->options.whole_mesh;
+        t->meshes += t->meshes == 0 || !t->options.whole_mesh;
     }
-    t->zone = haft_memory_alloc(t->zones, sizeof *t->zone, error);
-    if (t->zone == NULL) {
+    t->mesh = haft_memory_alloc(t->meshes, sizeof *t->mesh, error);
+    if (t->mesh == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     const haft_model *m = t->whole;
-    for (size_t i = 0; i < t->zones; i++, m = m->shorter) {
-        t->zone[i].model = m;
-        haft_status status = create_zone(t, &t->zone[i], error);
+    for (size_t i = 0; i < t->meshes; i++, m = m->shorter) {
+        t->mesh[i].model = m;
+        haft_status status = create_solvers(t, &t->mesh[i], error);
         if (status != HAFT_OK) {
             return status;
         }
     }
-    haft_zone_enter(t, 0);
+    haft_active_mesh_enter(t, 0);
     return HAFT_OK;
 }
 
-void haft_zones_destroy(haft_tracker *t) {
-    for (size_t i = 0; i < t->zones && t->zone != NULL; i++) {
-        haft_corrector_destroy(&t->zone[i].corrector);
-        haft_factor_destroy(&t->zone[i].factor);
-        haft_diagonals_destroy(&t->zone[i].mass);
+void haft_active_meshes_destroy(haft_tracker *t) {
+    for (size_t i = 0; i < t->meshes && t->mesh != NULL; i++) {
+        haft_corrector_destroy(&t->mesh[i].corrector);
+        haft_factor_destroy(&t->mesh[i].factor);
+        haft_diagonals_destroy(&t->mesh[i].mass);
     }
-    haft_memory_free(t->zone);
+    haft_memory_free(t->mesh);
 }
 
 static void carry(haft_tracker *t, const haft_model *from, double *u) {
@@ -134,24 +135,24 @@ static void carry(haft_tracker *t, const haft_model *from, double *u) {
 }
 
 static void change(haft_tracker *t, size_t at, haft_state *state) {
-    const haft_model *from = t->zone[t->at].model;
-    haft_zone_enter(t, at);
+    const haft_model *from = t->mesh[t->at].model;
+    haft_active_mesh_enter(t, at);
     carry(t, from, t->mode);
     carry(t, from, state->u);
     haft_model_gaps(t->model, state->u, state->gap);
     haft_tracker_evaluate(t, state->u, state->load, &state->energy, NULL);
 }
 
-bool haft_zone_is_clear(const haft_tracker *t, const double *u) {
+bool haft_active_mesh_is_clear(const haft_tracker *t, const double *u) {
     return haft_model_clear_sites(t->model, u, t->nil) == t->model->inert;
 }
 
-bool haft_zone_widen(haft_tracker *t, haft_state *state, const double *ahead) {
+bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ahead) {
     if (t->at == 0) {
         return false;
     }
     size_t clear = haft_model_clear_sites(t->model, ahead, t->nil), at = t->at - 1;
-    while (at > 0 && t->zone[at].model->inert > clear) {
+    while (at > 0 && t->mesh[at].model->inert > clear) {
         at--;
     }
     change(t, at, state);
@@ -172,9 +173,9 @@ static bool is_enough(const haft_tracker *t, size_t inert, const double *u, cons
     return true;
 }
 
-bool haft_zone_narrow(haft_tracker *t, haft_state *state, const double *before) {
+bool haft_active_mesh_narrow(haft_tracker *t, haft_state *state, const double *before) {
     size_t at = t->at;
-    while (at + 1 < t->zones && is_enough(t, t->zone[at + 1].model->inert, state->u, before)) {
+    while (at + 1 < t->meshes && is_enough(t, t->mesh[at + 1].model->inert, state->u, before)) {
         at++;
     }
     if (at == t->at) {

@@ -8,7 +8,10 @@
  * steps, and catches up in one that moves all. The step size follows the embedded error, measured
  * where it matters: in the gaps, by the lengths over which the forces change. Once the state is
  * stable and Newton's step to equilibrium is small by that measure, KINSOL finishes. */
-#include "tracker.h"
+#include "landing.h"
+#include "active_mesh.h"
+#include "branch.h"
+#include "corrector.h"
 
 #include <math.h>
 #include <string.h>
@@ -272,7 +275,7 @@ static size_t moved_sites(const haft_tracker *t, const landing *l) {
 /* Holds what the step taken hardly moved. */
 static void hold(haft_tracker *t, landing *l) {
     size_t n = t->n;
-    if (haft_zone_freeze(t, l->from, l->to, moved_sites(t, l) + SPARE_SITES, HELD_MOST)) {
+    if (haft_active_mesh_freeze(t, l->from, l->to, moved_sites(t, l) + SPARE_SITES, HELD_MOST)) {
         l->held = (int)(HELD_STEPS * n / t->n);
     }
 }
@@ -280,7 +283,7 @@ static void hold(haft_tracker *t, landing *l) {
 /* After a step: holds what need not move in the next, or lets go what is held. @return false if the
  * state cannot be evaluated. */
 static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
-    if (!haft_zone_is_frozen(t)) {
+    if (!haft_active_mesh_is_frozen(t)) {
         if (!settling) {
             hold(t, l);
         }
@@ -288,7 +291,7 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
     }
     l->held--;
     if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->model->sites) {
-        return haft_zone_unfreeze(t, l->from);
+        return haft_active_mesh_unfreeze(t, l->from);
     }
     return true;
 }
@@ -297,7 +300,7 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
 static bool go_on(haft_tracker *t, landing *l, flow_step taken) {
     t->cost.flow_steps++;
     swap(l->from, l->to);
-    haft_zone_narrow(t, l->from, l->to->u);
+    haft_active_mesh_narrow(t, l->from, l->to->u);
     if (l->allowed < t->options.flow_step) {
         l->allowed = fmin(t->options.flow_step,
                           ERROR_SHARE * haft_tracker_way(t, t->gap_before, l->from->gap));
@@ -313,11 +316,11 @@ static haft_outcome finish(haft_tracker *t, landing *l) {
         return HAFT_OUTCOMES;
     }
     if (arrive(t, l->from, l->to, l->departure)) {
-        if (haft_zone_is_clear(t, l->to->u)) {
+        if (haft_active_mesh_is_clear(t, l->to->u)) {
             swap(&t->here, l->to);
             return HAFT_OUTCOME_STUCK;
         }
-        if (!haft_zone_widen(t, l->from, l->to->u)) {
+        if (!haft_active_mesh_widen(t, l->from, l->to->u)) {
             return HAFT_OUTCOME_ZONE_LEFT;
         }
     }
@@ -349,7 +352,7 @@ static haft_outcome set_out(haft_tracker *t, landing *l, const double *away) {
     return haft_tracker_visit(t, l->from) ? finish(t, l) : HAFT_OUTCOME_NOT_FINITE;
 }
 
-haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
+haft_outcome haft_landing_follow(haft_tracker *t, const double *away, int *steps) {
     landing l = {.from = &t->spare, .to = &t->next, .growth = GROWTH};
     haft_outcome outcome = set_out(t, &l, away);
     for (*steps = 0; *steps < FLOW_STEPS && outcome == HAFT_OUTCOMES;) {
@@ -358,8 +361,8 @@ haft_outcome haft_flow_land(haft_tracker *t, const double *away, int *steps) {
         adapt(&l, error);
         if (!(error <= l.allowed)) {
             outcome = give_up(t, &l);
-        } else if (!haft_zone_is_clear(t, l.to->u)) {
-            outcome = haft_zone_widen(t, l.from, l.to->u) ? outcome : HAFT_OUTCOME_ZONE_LEFT;
+        } else if (!haft_active_mesh_is_clear(t, l.to->u)) {
+            outcome = haft_active_mesh_widen(t, l.from, l.to->u) ? outcome : HAFT_OUTCOME_ZONE_LEFT;
         } else {
             (*steps)++;
             bool settling = go_on(t, &l, step);

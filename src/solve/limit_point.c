@@ -4,7 +4,8 @@
  * slope P'' comes with the branch's second derivatives, kept inside a bracket that is halved
  * whenever Newton leaves it or the rate has not fallen to half. P is stationary at the root, so the
  * fold's load is twice as exact as its place. */
-#include "tracker.h"
+#include "limit_point.h"
+#include "corrector.h"
 
 #include <math.h>
 #include <string.h>
@@ -49,7 +50,7 @@ static bool is_found(const haft_tracker *t, const bracket *b, double defect, dou
            fabs(b->beyond - b->stable) < 1e-14 * length;
 }
 
-bool haft_fold_locate(haft_tracker *t, haft_step *step, int direction, double *defect) {
+bool haft_limit_point_locate(haft_tracker *t, haft_step *step, int direction, double *defect) {
     bracket b = {0, step->dtau};
     double length = fabs(step->dtau), last = INFINITY;
     double dtau = next_guess(t, &b, step->dtau, true);

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The tracker's memory, its options and the lengths of the laws, and its meshes. */
+#include "active_mesh.h"
+
+#include <math.h>
+#include <string.h>
+
+static const haft_path_options DEFAULTS = {
+    .gap_step = 0.5,
+    .ledger_tolerance = 1e-10,
+    .residual_tolerance = 1e-11,
+    .flow_step = 0.1,
+    .step_limit = 200000,
+};
+
+static haft_path_options resolve(const haft_path_options *given) {
+    haft_path_options o = given == NULL ? DEFAULTS : *given;
+    o.gap_step = o.gap_step > 0 ? o.gap_step : DEFAULTS.gap_step;
+    o.ledger_tolerance = o.ledger_tolerance > 0 ? o.ledger_tolerance : DEFAULTS.ledger_tolerance;
+    o.residual_tolerance =
+        o.residual_tolerance > 0 ? o.residual_tolerance : DEFAULTS.residual_tolerance;
+    o.flow_step = o.flow_step > 0 ? o.flow_step : DEFAULTS.flow_step;
+    o.step_limit = o.step_limit > 0 ? o.step_limit : DEFAULTS.step_limit;
+    return o;
+}
+
+/* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
+ * by the same walk. */
+enum { VECTORS = 21, SITE_VECTORS = 15 + HAFT_SITE_SCRATCH };
+static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
+    double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
+                             &t->null,       &t->scratch[0],     &t->scratch[1], &t->scratch[2],
+                             &t->scratch[3], &t->here.u,         &t->next.u,     &t->spare.u,
+                             &t->start.u1,   &t->start.u2,       &t->end.u1,     &t->end.u2,
+                             &t->rebased.u1, &t->rebased.u2,     &t->stage[0],   &t->stage[1],
+                             &t->stage[2]};
+    memcpy(vector, all, sizeof all);
+}
+
+static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
+    double **all[SITE_VECTORS] = {
+        &t->range,   &t->edge,          &t->wide,       &t->reach,    &t->far,
+        &t->nil,     &t->wall,          &t->gap_before, &t->gap,      &t->site_stiffness,
+        &t->motion,  &t->gap_predicted, &t->here.gap,   &t->next.gap, &t->spare.gap,
+        &t->site[0], &t->site[1],       &t->site[2],    &t->site[3],  &t->site[4]};
+    memcpy(vector, all, sizeof all);
+}
+
+static bool allocate_list(double ***vector, int count, size_t n, haft_error *error) {
+    for (int i = 0; i < count; i++) {
+        *vector[i] = haft_memory_alloc(n, sizeof(double), error);
+        if (*vector[i] == NULL) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void free_list(double ***vector, int count) {
+    for (int i = 0; i < count; i++) {
+        haft_memory_free(*vector[i]);
+    }
+}
+
+static haft_status allocate(haft_tracker *t, haft_error *error) {
+    double **vector[VECTORS], **site_vector[SITE_VECTORS];
+    list_vectors(t, vector);
+    list_site_vectors(t, site_vector);
+    size_t lanes = haft_law_lanes(t->model->sites);
+    if (!allocate_list(vector, VECTORS, t->n, error) ||
+        !allocate_list(site_vector, SITE_VECTORS, lanes, error)) {
+        return HAFT_ERROR_MEMORY;
+    }
+    t->pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
+    t->hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
+    t->other.hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
+    t->matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
+    if (!t->pair || !t->hessian || !t->other.hessian || !t->matrix) {
+        return HAFT_ERROR_MEMORY;
+    }
+    return HAFT_OK;
+}
+
+/* Share of the greatest pull below which a force hardly counts, for the step's size. */
+#define FAINT_SHARE 1e-3
+
+/* And below which it is lost in the rounding of the others. */
+#define LOST_SHARE 1e-16
+
+static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
+    for (size_t r = 0; r < t->model->sites; r++) {
+        haft_law_lengths lengths = haft_law_find_lengths(&t->laws[r]);
+        t->range[r] = lengths.range;
+        t->edge[r] = lengths.edge;
+        t->wide[r] = lengths.wide;
+        t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
+        t->far[r] = haft_law_extent(&t->laws[r], FAINT_SHARE);
+        t->nil[r] = haft_law_extent(&t->laws[r], LOST_SHARE);
+        t->wall[r] = t->laws[r].wall_distance;
+        if (!(t->range[r] > 0) || !isfinite(t->range[r] + t->far[r] + t->reach[r])) {
+            return haft_error_set(error, HAFT_ERROR_ARGUMENT,
+                                  "the law of site %zu has no finite range", r);
+        }
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        t->mode[i] = 1 / (double)(i + 1);
+    }
+    return haft_active_meshes_create(t, error);
+}
+
+haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, const haft_law *laws,
+                                const haft_programme *programme, const haft_path_options *options,
+                                haft_error *error) {
+    *out = NULL;
+    haft_tracker *t = haft_memory_alloc(1, sizeof *t, error);
+    if (t == NULL) {
+        return HAFT_ERROR_MEMORY;
+    }
+    t->whole = model;
+    t->model = model;
+    t->laws = laws;
+    t->programme = *programme;
+    t->options = resolve(options);
+    t->n = model->dofs;
+    t->load_unit = model->energy_unit / model->gap;
+    t->needs_refinement = true; /* until it is known */
+    haft_status status = allocate(t, error);
+    if (status == HAFT_OK) {
+        status = haft_law_rows_create(&t->rows, model->sites, laws, error);
+    }
+    if (status == HAFT_OK) {
+        status = put_at_rest(t, error);
+    }
+    if (status != HAFT_OK) {
+        haft_tracker_destroy(&t);
+    }
+    *out = t;
+    return status;
+}
+
+void haft_tracker_destroy(haft_tracker **tracker) {
+    if (tracker == NULL || *tracker == NULL) {
+        return;
+    }
+    haft_tracker *t = *tracker;
+    haft_active_meshes_destroy(t);
+    double **vector[VECTORS], **site_vector[SITE_VECTORS];
+    list_vectors(t, vector);
+    list_site_vectors(t, site_vector);
+    free_list(vector, VECTORS);
+    free_list(site_vector, SITE_VECTORS);
+    haft_memory_free(t->pair);
+    haft_memory_free(t->hessian);
+    haft_memory_free(t->other.hessian);
+    haft_memory_free(t->matrix);
+    haft_law_rows_destroy(&t->rows);
+    haft_memory_free(t);
+    *tracker = NULL;
+}
