@@ -203,11 +203,12 @@ static void a_model_tampered_with_is_refused(void **state) {
 
 static void a_table_of_vectors_is_read_in_any_units(void **state) {
     (void)state;
-    static const char table[] = "site,d_max [um], e [uJ/m2],f_max [kPa],fault,d_limit [m]\n"
-                                "0,0.011,3600,1000,0,8.2e-9\n"
-                                "\n"
-                                "1,nan,nan,nan,2,nan\r\n"
-                                "2, 0.012 ,3.7e3,1100,0,9e-9\r\n";
+    static const char table[] =
+        "\xef\xbb\xbfsite,d_max [um], e [uJ/m2],f_max [kPa],fault,d_limit [m]\n"
+        "0,0.011,3600,1000,0,8.2e-9\n"
+        "\n"
+        "1,nan,nan,nan,2,nan\r\n"
+        "2, 0.012 ,3.7e3,1100,0,9e-9\r\n";
     scratch s = scratch_create();
     char path[400];
     write_file(scratch_path(&s, "v.csv", path), table, strlen(table));
