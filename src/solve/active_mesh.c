@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* On which of a beam's meshes it is followed. Sites beyond their laws' last digit bear no force,
- * and a beam without forces is one cubic: a mesh that leaves them out has the same equilibria,
- * folds and energies as the whole one, for the cost of the sites that are left. So the solver works
- * on the shortest of the beam's meshes that has a few sites to spare before those in reach, changes
- * to a shorter one as they open, and to a longer one before a site left out comes into reach.
+/* Which of a beam's meshes the solver works on. A site whose law is zero to the last digit bears no
+ * force, and a beam without forces is one cubic. So a mesh without such sites has the same
+ * equilibria, limit points and energies as the whole mesh, at the cost of the sites that remain.
+ * The solver works on the shortest mesh that includes all sites in reach and a few to spare. It
+ * changes to a shorter mesh as sites open, and to a longer one before a site that is left out comes
+ * into reach. Only the drag in a landing differs: the free span has that of one cubic.
  *
- * Only the drag of a landing is the mesh's own: that of the free span is that of its one cubic.
- *
- * Behind its front neither a step nor a landing moves what has come to rest, or hardly. While that
- * is held, a mesh is its front part alone. */
+ * Behind the front of the contact, steps and landings hardly move anything. While that part is
+ * frozen, the mesh in use is the moving part alone. */
 #include "active_mesh.h"
 #include "corrector.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Sites to spare on a mesh that is gone over to, so that it is not left again at once. */
+/* Sites to spare on a mesh that is changed to, so that it is not left at once. */
 enum { SPARE_SITES = 4 };
 
-/* The first n unknowns move from now on. @return false if they are too few for a solver. */
+/* Solves for the first n unknowns from now on. @return false if the solvers cannot. */
 static bool lead(haft_tracker *t, size_t n) {
     t->n = n;
     return haft_factor_use_leading(t->factor, n) && haft_corrector_use_leading(t->corrector, n);
@@ -39,8 +38,7 @@ static haft_energy subtract(haft_energy a, haft_energy b) {
     return (haft_energy){a.strain - b.strain, a.contact - b.contact, a.rounding - b.rounding};
 }
 
-/* What is held does not move: neither by what is left over from when it did, nor from the one state
- * to the other. */
+/* Copies the frozen part to the other state, and clears its motion. */
 static void keep_still(haft_tracker *t, const haft_state *state, haft_state *other) {
     const haft_model *m = t->mesh[t->at].model;
     double *still[] = {t->solution, t->null,     t->mode,       t->start.u1,   t->start.u2,
@@ -159,8 +157,8 @@ bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ah
     return true;
 }
 
-/* Whether a mesh that leaves out the first `inert` sites has sites to spare, even if the state goes
- * on from the one before as it came from there, and as far again. */
+/* Whether a mesh that leaves out the first `inert` sites has sites to spare, even after another
+ * move like the last one. */
 static bool is_enough(const haft_tracker *t, size_t inert, const double *u, const double *before) {
     for (size_t r = inert + SPARE_SITES; r-- > t->whole->inert;) {
         const haft_site *site = &t->model->site[r];

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One step along a stable branch.
  *
- * Prediction by the branch's first two derivatives, correction by KINSOL at the new value of the
- * parameter, certification by the pivots of H alone, and a ledger: the energy gained must equal the
- * work of the load, integrated from both ends' derivatives (quintic, error O(dtau^7)). The ledger
- * bounds the step's size, and a step that hopped to another branch shows in it as energy missing.
- */
+ * Predictor: the branch's first two derivatives. Corrector: KINSOL at the new value of the
+ * parameter. Certificate: the pivots of H. Ledger: the energy gained must equal the work of the
+ * load, integrated from the derivatives at both ends (quintic, error O(dtau^7)). The ledger bounds
+ * the step size; a step that hops to another branch misses energy in it. */
 #include "branch.h"
 #include "active_mesh.h"
 #include "corrector.h"
@@ -13,33 +12,33 @@
 #include <math.h>
 #include <string.h>
 
-/* A step inside which the load's rate falls below this share of the rate at its ends is cut where
- * it is least, unless that is this near to an end. */
+/* A step within which the load's rate falls below DIP_SHARE of the rate at its ends is cut where
+ * the rate is least, unless that is close to an end. */
 #define DIP_SHARE 0.5
 #define DIP_EDGE 0.04
 
-/* A step shorter than this, in ranges, is not looked into: the rates' rounding would be. */
+/* Steps shorter than this, scaled, are not examined: only rounding of the rates would show. */
 #define DIP_STEP 1e-4
 
-/* A mesh whose solutions by the factors alone are off by more than this, relatively, has them
- * refined: elements below about a two-hundredth of the length. */
+/* Relative error of solutions by the factor alone above which they are refined: with elements
+ * shorter than about a two-hundredth of the beam. */
 #define LOST_DIGITS 1e-9
 
-/* How exact second derivatives need be: their part in a step's work is small, and that is asked for
- * to the ledger's 1e-10. */
+/* Accuracy of second derivatives: they are a small part of a step's work, which the ledger asks for
+ * to 1e-10. */
 #define ENOUGH_OF_SECOND 1e-12
 
-/* What a step may spend of what the ledger has left. */
+/* Share of the ledger's remaining allowance that one step may use. */
 #define SPENT 0.2
 
-/* Steps of iterative refinement, and of inverse iteration, at most. */
+/* Largest numbers of steps of iterative refinement and of inverse iteration. */
 enum { REFINEMENTS = 6, EIGEN_SWEEPS = 3 };
 
-/* What the forces on a held part may be out of balance, as a share of what the corrector leaves of
- * any force: a state with it held is then one of the whole. */
+/* Largest residual at the frozen node, as a share of the corrector's tolerance: then a state with a
+ * frozen part is an equilibrium of the whole. */
 #define UNBALANCE_SHARE 0.1
 
-/* Side step, in ranges, at which a law's curvature is read beside a kink. */
+/* Offset from a kink, in ranges, at which a law's curvature is read. */
 #define KINK_OFFSET 1e-7
 
 static double greatest(const double *v, size_t n) {
@@ -50,8 +49,8 @@ static double greatest(const double *v, size_t n) {
     return most;
 }
 
-/* One step of iterative refinement of H x = b, H the one factored, with a product through the
- * deformation modes. @return the change relative to x */
+/* One step of iterative refinement of H x = b for the factored H, with a product by deformation
+ * modes. @return the change relative to x */
 static double refine(haft_tracker *t, const double *b, double *x) {
     double *step = t->scratch[1];
     haft_model_multiply(t->model, t->site_stiffness, x, step);
@@ -66,14 +65,14 @@ static double refine(haft_tracker *t, const double *b, double *x) {
     return change;
 }
 
-/* Refines x, the solution of H x = b by the factors, b in scratch[0], H certified, to a relative
- * error of about `enough`, on a mesh that needs it. */
+/* Refines the solution x of H x = b, b in scratch[0], to a relative error of about `enough`, on
+ * meshes that need it. */
 static void refine_all(haft_tracker *t, double *x, double enough) {
     const double *b = t->scratch[0];
     double last = INFINITY, rate = 0;
     for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
         double change = refine(t, b, x);
-        rate = i == 0 ? change : rate; /* the first change is what each step leaves of the error */
+        rate = i == 0 ? change : rate; /* the first change is the convergence rate */
         if (!(change < 0.5 * last) || rate * change < enough) {
             return;
         }
@@ -81,8 +80,8 @@ static void refine_all(haft_tracker *t, double *x, double enough) {
     }
 }
 
-/* The load's row, as a right-hand side in scratch[0] and as what it is solved in; what is held has
- * none. */
+/* Puts the load's row into scratch[0] and into the right-hand side; frozen unknowns have no load.
+ */
 static void put_load(haft_tracker *t) {
     double *b = t->scratch[0];
     memset(b, 0, t->n * sizeof *b);
@@ -107,7 +106,7 @@ haft_inertia haft_branch_certify(haft_tracker *t) {
     return haft_factor_inertia(t->factor);
 }
 
-/* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with the parameter's own second derivative nil. */
+/* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with zero second derivative of the parameter. */
 static void second_derivatives(haft_tracker *t, const haft_state *state, haft_parameter parameter,
                                int side, double rate, haft_branch *out) {
     const haft_model *m = t->model;
@@ -124,7 +123,7 @@ static void second_derivatives(haft_tracker *t, const haft_state *state, haft_pa
     }
     memset(out->u2, 0, m->dofs * sizeof *out->u2);
     haft_model_add_forces(m, force, out->u2);
-    memset(out->u2 + t->n, 0, (m->dofs - t->n) * sizeof *out->u2); /* what is held stays */
+    memset(out->u2 + t->n, 0, (m->dofs - t->n) * sizeof *out->u2); /* the frozen part stays */
     memcpy(t->scratch[0], out->u2, t->n * sizeof *out->u2);
     haft_tracker_solve(t, out->u2);
     refine_all(t, out->u2, ENOUGH_OF_SECOND);
@@ -224,10 +223,11 @@ static double total(haft_energy e) {
     return e.strain + e.contact;
 }
 
-/* A step may miss what its own work adds to the path's allowance. Over a table, at whose knots the
- * second derivatives leap, it may miss a share of what is left of that allowance instead: the whole
- * ledger stays within the tolerance of the whole work either way, and a step of little work need
- * not be as exact as if the path had no other. Over smooth laws that would gain next to nothing. */
+/* The defect of a step may be what its own work adds to the path's allowance. Over a table, where
+ * second derivatives jump at the knots, it may instead be a share of the remaining allowance.
+ * Either way the whole ledger stays within the tolerance of the whole work, and a step with little
+ * work need not be as exact as if it were alone. Over smooth laws that would gain almost nothing.
+ */
 void haft_branch_book(haft_tracker *t, haft_step *step) {
     step->work = haft_branch_work(t, step->dtau);
     step->defect = total(t->next.energy) - total(t->here.energy) - step->work;
@@ -246,8 +246,8 @@ static double load_rate(const quintic *p, double s) {
     return (((5 * p->c[5] * s + 4 * p->c[4]) * s + 3 * p->c[3]) * s + 2 * p->c[2]) * s + p->c[1];
 }
 
-/* Where inside a step the load's rate dips deepest, as a share of the step, and to what share of
- * the lesser rate at its ends: two folds close together show there before they show at the ends. */
+/* Where the load's rate is least within a step, as a share of the step, and its share of the
+ * smaller rate at the ends: two close folds show there before they show at the ends. */
 static double deepest_dip(const haft_tracker *t, double dtau, double *depth) {
     enum { LOOKS = 32 };
     quintic p = interpolate(dtau, t->here.load, t->start.load1, t->start.load2, t->next.load,
@@ -279,7 +279,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->allowed = 0;
     step->failure = HAFT_OUTCOME_NOT_CONVERGED;
     if (t->at > 0 && !haft_active_mesh_is_clear(t, t->next.u)) {
-        return HAFT_STEP_LEAVES; /* on to a wider mesh, before any work is done on this one */
+        return HAFT_STEP_LEAVES; /* change to a longer mesh before any work is done */
     }
     if (!haft_corrector_solve(t, step->parameter, value, &t->next)) {
         return HAFT_STEP_REJECTED;

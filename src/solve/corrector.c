@@ -3,11 +3,11 @@
  *
  *     grad Pi(u, P) = 0,    tau(u, P) - value = 0,
  *
- * with a linear solver of our own: SUNDIALS' KLU module analyses the pattern anew in each KINSol
- * call, pivots where symmetry should be kept, and knows no border. Ours adds kappa c c' (c the
- * parameter's row) to H, which changes nothing where the constraint holds but keeps the matrix
- * definite through a simple fold, and eliminates the border with two solves. The matrix that KINSOL
- * is given is a name for the tracker's own Hessian, so that nothing is copied. */
+ * with a linear solver module of our own. SUNDIALS' KLU module analyses the pattern in each KINSol
+ * call, pivots off the diagonal, and cannot handle a border. Ours adds kappa c c' (c the
+ * parameter's row) to H. That changes nothing where the constraint holds, but keeps the matrix
+ * positive definite through a simple fold. The border is eliminated with two solves. KINSOL's
+ * matrix stands for the tracker's Hessian, so that nothing is copied. */
 #include "corrector.h"
 #include "vectors.h"
 
@@ -20,15 +20,15 @@
 
 enum { NEWTON_LIMIT = 12 };
 
-/* Newton is given up at the second residual that is not below all before it: over a table's knots
- * it can go round in circles. */
+/* Give up at the second residual that is not below all before it: at the knots of a table Newton
+ * can cycle. */
 enum { RISES = 2 };
 
-/* Residuals are measured against the forces at hand, but never against less than this, in units of
- * energy_unit / gap: an unloaded beam far above its substrate has none. */
+/* Residuals are relative to the largest force, but at least to this, in units of energy_unit / gap:
+ * an unloaded beam far above its substrate has no forces. */
 #define LEAST_FORCE 1e-3
 
-/* What rounding makes of a parameter's value, as a share of the terms that it is the sum of. */
+/* Rounding of a parameter's value, as a share of the terms of its sum. */
 #define VALUE_ROUNDING 0x1p-51
 
 struct haft_corrector {
@@ -39,7 +39,7 @@ struct haft_corrector {
     double kappa;
     bool evaluated; /* gradient, Hessian and energy at hand are those of the first residual */
     bool finite;
-    double least; /* residual so far, and how often one was not less */
+    double least; /* residual so far; rises: how often one was not less */
     int rises;
     haft_energy energy;  /* at the last residual: KINSOL ends on it */
     haft_factor *factor; /* of the Hessian and the border's stiffness */
@@ -70,7 +70,7 @@ static int residual(N_Vector y, N_Vector f, void *user) {
     return 0;
 }
 
-/* The residual f was evaluated at the same y just before: its Hessian is at hand in the tracker. */
+/* The residual was just evaluated at the same y, so the tracker holds its Hessian. */
 static int jacobian(N_Vector y, N_Vector f, SUNMatrix matrix, void *user, N_Vector a, N_Vector b) {
     (void)y, (void)matrix, (void)a, (void)b;
     haft_corrector *c = user;
@@ -100,8 +100,8 @@ static int solver_initialize(SUNLinearSolver solver) {
     return 0;
 }
 
-/* Factors H + kappa c c'. The border goes into the Hessian at hand, which is a few entries, and out
- * again to the last bit. */
+/* Factors H + kappa c c'. The few entries of the border are added to the Hessian and then restored
+ * to the last bit. */
 static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
     (void)matrix;
     haft_corrector *c = solver->content;
@@ -286,8 +286,8 @@ bool haft_corrector_use_leading(haft_corrector *corrector, size_t n) {
     return haft_factor_use_leading(corrector->factor, n);
 }
 
-/* What rounding of u alone makes of the forces, by the Hessian at hand: no residual can be asked
- * below it. A column's terms by twos, since sums wait for each other. */
+/* Forces due to rounding of u, by the current Hessian: no residual can be smaller. Two sums a
+ * column, to shorten the chain of additions. */
 static double rounding_floor(const haft_tracker *t, const double *u) {
     double largest = 0;
     const double *h = t->hessian;
@@ -305,9 +305,9 @@ static double rounding_floor(const haft_tracker *t, const double *u) {
     return 4 * 0x1p-52 * largest;
 }
 
-/* The length that the parameter's residual is measured by, scaled. Where the gap is very large
- * beside the range of the law, the tolerance's share of that range lies below the rounding of the
- * parameter's own value, which no iteration can get below: then the length is larger by as much. */
+/* The scale of the parameter's residual. Where the gap is very large against the range of the law,
+ * the tolerance times that range would be below the rounding of the parameter's value, which no
+ * iteration can undercut; then the scale is larger. */
 static double parameter_length(const haft_tracker *t, haft_parameter parameter, double value,
                                const double *u) {
     const haft_site *site = parameter.site;
@@ -322,7 +322,7 @@ static double parameter_length(const haft_tracker *t, haft_parameter parameter, 
     return fmax(t->range[parameter.index] / t->model->gap, least);
 }
 
-/* A stiffness at the parameter that outweighs any softening of its own law. */
+/* A stiffness at the parameter that exceeds any softening of its law. */
 static double border_stiffness(const haft_tracker *t, haft_parameter parameter) {
     if (parameter.site == NULL) {
         return 0;
@@ -371,7 +371,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double valu
     scale[c->n] = 1 / parameter_length(t, parameter, value, y);
     double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
     bool solved = run_kinsol(c, tolerance);
-    if (!solved && c->finite) { /* the floor at the start, at rest say, can be far too low */
+    if (!solved && c->finite) { /* the floor at the start, as at rest, can be far too low */
         double floor_here = rounding_floor(t, y) / force;
         c->evaluated = false;
         solved = floor_here > tolerance && run_kinsol(c, floor_here);

@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Jumps: from where a branch ends to where the gradient flow leads, at constant load.
+/* Jumps: from the end of a branch to where the gradient flow leads, at constant load.
  *
- * Most branches end in a simple fold. Two other ends are told apart and left by a fixed rule, so
- * that the answer is one and the same on every machine.
+ * Most branches end in a simple fold. There are two other ends. A fixed rule decides how to leave
+ * them, so that the answer is the same on every machine.
  *
- * Bifurcation: an eigenvalue vanishes though the load does not turn (a pitchfork of two sites
- * alike, say). The state just beyond is left along its null vector, to the side where the energy is
- * lower; if neither is, to the side where the first of the gaps that move most closes in loading
- * and opens in unloading.
+ * Bifurcation: an eigenvalue vanishes although the load does not turn, as in a pitchfork of two
+ * like sites. The flow starts just beyond it along the null vector, to the side of lower energy. If
+ * both are equal, to the side where the first of the gaps that move most closes in loading or opens
+ * in unloading.
  *
- * Crowded fold: several eigenvalues vanish at once (sites alike and apart). The branch is left in
- * the direction in which it was moving, which holds all the null vectors in the shares the load
+ * Multiple fold: several eigenvalues vanish at once, as for like sites far apart. The flow starts
+ * in the direction of the last motion, which contains all null vectors in the shares that the load
  * gives them.
  *
- * And a path begins with one where the unloaded beam is pulled from its place by what it feels
- * there. */
+ * A path also begins with a jump where the laws pull the unloaded beam from its place. */
 #include "active_mesh.h"
 #include "landing.h"
 #include "limit_point.h"
@@ -35,12 +34,12 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
     jump->kind = closing > 0 ? HAFT_JUMP_PULL_IN : HAFT_JUMP_PULL_OUT;
 }
 
-/* From `here` along `away` (NULL: by its forces) to where the flow leads; the load stays, its work
- * goes on. t->null tells which site moves most. */
+/* Follows the flow from `here` along `away` (NULL: by the forces). The load stays constant, and its
+ * work is accounted for. t->null decides which site moves most. */
 static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, const double *away,
                                    double fold_defect) {
     haft_tracker *t = w->t;
-    haft_active_mesh_enter(t, t->at); /* a jump may move what its branch did not */
+    haft_active_mesh_enter(t, t->at); /* a jump may move what was frozen on the branch */
     haft_jump jump = {.phase = w->phase,
                       .load = t->here.load * t->load_unit,
                       .crack_before = haft_tracker_crack(t, &t->here),
@@ -59,7 +58,7 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
         haft_active_mesh_enter(t, at);
         return outcome;
     }
-    if (departure != HAFT_DEPARTURE_FOLD) { /* it was searched for with ever shorter steps */
+    if (departure != HAFT_DEPARTURE_FOLD) { /* shorter and shorter steps led there */
         w->step_size = t->options.gap_step;
     }
     if (departure == HAFT_DEPARTURE_REST && jump.flow_steps == 0) {
@@ -81,8 +80,8 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
     return HAFT_OUTCOME_STUCK;
 }
 
-/* Whether the stretch up to the fold, by the secant of the load's rate, will miss more energy than
- * is allowed, by what the whole step misses. */
+/* Whether the part of the step up to the fold will miss more energy than allowed, estimated from
+ * the defect of the whole step and the secant of the load's rate. */
 static bool is_too_long(const haft_tracker *t, const haft_step *step) {
     double share = t->start.load1 / (t->start.load1 - t->end.load1);
     double order = haft_branch_defect_order(t, step->parameter);

@@ -3,11 +3,11 @@
  * down its energy to rest.
  *
  * Integrated by ROS3, a Rosenbrock method of order 3(2), L-stable, with one factorization and two
- * laws a step (Sandu et al. 1997), M/(gamma dt) + H positive definite at every step and the energy
- * falling over it. In long contact only the front of it moves: what lies behind is held for a few
- * steps, and catches up in one that moves all. The step size follows the embedded error, measured
- * where it matters: in the gaps, by the lengths over which the forces change. Once the state is
- * stable and Newton's step to equilibrium is small by that measure, KINSOL finishes. */
+ * laws a step (Sandu et al. 1997). M/(gamma dt) + H is positive definite at every step, and the
+ * energy falls over it. In long contact only the front moves: the part behind it is frozen for a
+ * few steps, and catches up in a step of the whole. The step size follows the embedded error of the
+ * gaps, scaled by the lengths over which the forces change. Once the state is stable and Newton's
+ * step is small by that measure, KINSOL finishes. */
 #include "landing.h"
 #include "active_mesh.h"
 #include "branch.h"
@@ -18,35 +18,35 @@
 
 enum { FLOW_STEPS = 100000, STAGES = 3, NOT_FINITE_LIMIT = 100 };
 
-/* What a step moves by no more than this share of what it moves most, a few sites from it on, is
- * held in the next ones, if no more than half is left to move: for so many steps that to let it go
- * for one costs an eighth of them, and no longer than until motion comes near it. A hundred times
- * more lands some beams over tables elsewhere, this much none. */
+/* Freeze sites that a step moves by at most this share of its largest move, except for a few, if at
+ * most half of the unknowns remain. They stay frozen until motion comes near, and at most for so
+ * many steps that one step of the whole costs an eighth of them. A share a hundred times larger
+ * changes some landings over tables; this one changes none. */
 #define HELD_SHARE 1e-4
 #define HELD_MOST 0.5
 enum { HELD_STEPS = 8, SPARE_SITES = 8, LEAST_SPARE = 2 };
 
-/* How small Newton's step must be to finish; how small the flow's own step, and the way that its
- * slowing leaves to go, before that is tried: asked sooner, four times in five it is not. */
+/* Largest Newton step to finish with; largest flow step, and largest distance left by its slowing
+ * down, before that is tried. Tried sooner, it fails four times in five. */
 #define ARRIVAL 0.05
 #define SETTLING 0.2
 #define WAY_LEFT 0.002
 
-/* A step's error may be this share of the way come from the fold: what the flow departs with must
- * not be lost in it, or it could end on the side it came from. */
+/* Largest error of a step, as a share of the distance from the fold: a larger one could turn the
+ * flow back to the side it came from. */
 #define ERROR_SHARE 0.1
 
-/* No departure is shorter than this, in lengths: forces differ by their rounding alone there. */
+/* Shortest departure from a fold, scaled: closer to it, forces differ by rounding alone. */
 #define LEAST_DEPARTURE 1e-6
 
-/* A flow that has come back this near to its fold, in lengths, is taken to rest no nearer. */
+/* A flow that comes back this near to its fold, scaled, does not come to rest nearer. */
 #define LEAST_WAY 1e-4
 
-/* The first step's size where the forces tell of none, in scaled time: small beside any decay. */
+/* The first step in scaled time where the forces give none: shorter than any decay. */
 #define FIRST_STEP 1e-9
 
-/* Bounds of a change of the step size, and its margin. After a step that had to be shorter none
- * grows (Hairer and Wanner 1996): what it met is still ahead. */
+/* Bounds of a change of the step size, and its margin. The step after a rejected one does not grow
+ * (Hairer and Wanner 1996). */
 #define GROWTH 6.0
 #define SHRINKAGE 0.25
 #define MARGIN 0.8
@@ -72,7 +72,7 @@ HAFT_CLONES static void add_scaled(size_t n, const double *a, double factor, con
     }
 }
 
-/* Factors what a step of dt solves with, and solves for b. @return whether it is definite */
+/* Factors the matrix of a step dt, and solves for b. @return whether it is positive definite */
 static bool solve_damped(haft_tracker *t, double dt, double *b) {
     add_scaled(t->model->nonzeros, t->hessian, 1 / (GAMMA * dt), t->model->mass, t->matrix);
     return haft_tracker_factor_solve(t, t->matrix, b) &&
@@ -85,8 +85,7 @@ HAFT_CLONES static void multiply_by(size_t n, double factor, const double *a, do
     }
 }
 
-/* out = sum of the first `stages` increments, weighted; at most two, as before the last is known.
- */
+/* out = weighted sum of the first `stages` increments, at most two. */
 HAFT_CLONES static void combine(size_t n, double *const *stage, const double *weight, int stages,
                                 double *restrict out) {
     const double *a = stage[0], *b = stage[stages - 1];
@@ -107,8 +106,8 @@ HAFT_CLONES static void conclude(size_t n, const double *u, double *const *stage
     }
 }
 
-/* One step from `from`, whose gradient and Hessian are at hand and stay so, into `to`; its embedded
- * error is left in t->scratch[0]. @return false if it must be shorter. */
+/* One step from `from` into `to`. Gradient and Hessian at `from` are current, and stay so; the
+ * embedded error goes into t->scratch[0]. @return false if the step must be shorter. */
 static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt) {
     multiply_by(t->n, -1, t->gradient, t->stage[0]);
     if (!solve_damped(t, dt, t->stage[0])) {
@@ -128,21 +127,21 @@ static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state 
     return true;
 }
 
-/* A flow step: how long it took and how far the gaps went, in lengths. */
+/* A flow step: its length in time, and the largest scaled displacement of a gap. */
 typedef struct flow_step {
     double dt, move;
 } flow_step;
 
-/* Whether the flow settles: its steps are short and, if it goes on slowing as it did between the
- * last two, exponentially, little way is left. */
+/* Whether the flow settles: its steps are short, and little distance is left if it goes on slowing
+ * down exponentially as between the last two steps. */
 static bool is_settling(flow_step before, flow_step last) {
     double slowing = log(before.move / before.dt * (last.dt / last.move));
-    double half_step = slowing * last.dt / (before.dt + last.dt); /* in times of the decay */
+    double half_step = slowing * last.dt / (before.dt + last.dt); /* in decay times */
     double left = last.move / (2 * half_step) * exp(-half_step);
     return slowing > 0 && last.move < SETTLING && left < WAY_LEFT;
 }
 
-/* Whether the state evaluated last is stable and Newton would move it little. */
+/* Whether the state last evaluated is stable and its Newton step is small. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
     double *step = t->scratch[1];
     multiply_by(t->n, -1, t->gradient, step);
@@ -153,10 +152,10 @@ static bool is_arriving(haft_tracker *t, const haft_state *state) {
     return haft_tracker_move(t, state->gap, step, NULL) < ARRIVAL;
 }
 
-/* Finishes by KINSOL from an arriving state; the result must be near it, stable, and neither higher
- * nor back at the fold that the flow came from, which it left by `departure` lengths, if it has not
- * come back nearer itself: by the knots of a table Newton can go back there, over a hill too low to
- * show in the energy. */
+/* Finishes with KINSOL from a state that is arriving. The result must be near it, stable and not
+ * higher in energy. It must not be the fold that the flow left by `departure`, unless the flow
+ * itself came nearer: at the knots of a table Newton can return there over a hill too low to show
+ * in the energy. */
 static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *landed,
                    double departure) {
     memcpy(landed->u, flowing->u, t->n * sizeof(double));
@@ -175,7 +174,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
     return rise <= haft_tracker_rounding(landed, flowing) && haft_branch_certify(t).negative == 0;
 }
 
-/* Rate at which the amplitude of a displacement v off the fold grows, with the gradient at hand. */
+/* Growth rate of the amplitude of a displacement v off the fold, by the current gradient. */
 static double departure_rate(haft_tracker *t, const double *v) {
     double weight = haft_tracker_weigh(t, v, t->scratch[3]), down = 0;
     for (size_t i = 0; i < t->n; i++) {
@@ -184,8 +183,8 @@ static double departure_rate(haft_tracker *t, const double *v) {
     return down / weight;
 }
 
-/* Puts `from` off the fold by `move` lengths. @return the rate at which it goes on from there, NaN
- * if it cannot be evaluated. */
+/* Displaces `from` by `move`, scaled, from the fold. @return the growth rate there, NaN if it
+ * cannot be evaluated. */
 static double depart_by(haft_tracker *t, haft_state *from, const double *away, double move) {
     double *v = t->scratch[2];
     double amplitude = move / haft_tracker_move(t, t->gap_before, away, NULL);
@@ -197,8 +196,8 @@ static double depart_by(haft_tracker *t, haft_state *from, const double *away, d
     return haft_tracker_visit(t, from) ? departure_rate(t, v) : NAN;
 }
 
-/* Puts `from` so little off the fold that the energy still falls there: what lies beyond may be a
- * valley narrower than the usual departure. @return a first step size, or NaN if it cannot be
+/* Displaces `from` from the fold by so little that the energy still falls there: the valley beyond
+ * may be narrower than the usual departure. @return a first step size, NaN if it cannot be
  * evaluated. */
 static double depart(haft_tracker *t, haft_state *from, const double *away, double *move) {
     for (*move = HAFT_DEPARTURE_MOVE; *move > LEAST_DEPARTURE; *move /= 4) {
@@ -217,17 +216,17 @@ static void swap(haft_state *a, haft_state *b) {
     *b = state;
 }
 
-/* Whether a step goes nowhere though its stages do: on a knot of a table, whose stiffness jumps,
- * they can cancel time and again, far from equilibrium. Elsewhere the error is the lesser of the
- * two. */
+/* Whether the stages of a step cancel, so that it goes nowhere: at a knot of a table, where the
+ * stiffness jumps, that can happen again and again, far from equilibrium. Otherwise the error is
+ * smaller than the step. */
 static bool is_caught(double error, double move) {
     return error > LEAST_DEPARTURE && error > 2 * move;
 }
 
-/* Tries one step; on success `to` is evaluated and *move is how far the gaps went. Else what is at
- * hand of `from` stays, and `to` is evaluated only if the error, which nearly always tells first
- * that the energy would rise, did not forbid it.
- * @return the embedded error in lengths, more than allowed if the step must be shorter. */
+/* Tries one step. On success `to` is evaluated, and *move is the largest scaled displacement of a
+ * gap. Otherwise gradient and Hessian at `from` stay; `to` is evaluated only if the error allows
+ * it, which nearly always fails before the energy would rise.
+ * @return the scaled embedded error, more than allowed if the step must be shorter. */
 static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt,
                        double allowed, double *move) {
     if (!rosenbrock_step(t, from, to, dt)) {
@@ -250,29 +249,29 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     return INFINITY;
 }
 
-/* A landing on its way. */
+/* A landing in progress. */
 typedef struct landing {
     haft_state *from, *to;  /* the state reached, and the one before it or tried next */
-    double departure;       /* from the fold, in lengths */
-    double dt, growth;      /* of the next step, and by how much that may grow */
-    double allowed;         /* error of a step, in lengths */
+    double departure;       /* from the fold, scaled */
+    double dt, growth;      /* of the next step, and the bound of its growth */
+    double allowed;         /* error of a step, scaled */
     flow_step before, last; /* the last two */
-    int held;               /* steps until what is held is let go */
+    int held;               /* steps until the frozen part is released */
 } landing;
 
-/* Makes the next step's size of the error of one; no step grows after one that must be shorter. */
+/* Sets the next step size by the error of a step; the step after a rejected one does not grow. */
 static void adapt(landing *l, double error) {
     double factor = MARGIN * cbrt(l->allowed / fmax(error, 1e-30));
     l->dt *= fmin(l->growth, fmax(SHRINKAGE, factor));
     l->growth = error <= l->allowed ? GROWTH : 1;
 }
 
-/* The sites up to the last that the step taken moved by more than its share. */
+/* The number of sites up to the last one that the step moved by more than HELD_SHARE. */
 static size_t moved_sites(const haft_tracker *t, const landing *l) {
     return haft_tracker_moved(t, l->from->gap, l->to->gap, HELD_SHARE * l->last.move);
 }
 
-/* Holds what the step taken hardly moved. */
+/* Freezes the part that the step hardly moved. */
 static void hold(haft_tracker *t, landing *l) {
     size_t n = t->n;
     if (haft_active_mesh_freeze(t, l->from, l->to, moved_sites(t, l) + SPARE_SITES, HELD_MOST)) {
@@ -280,8 +279,8 @@ static void hold(haft_tracker *t, landing *l) {
     }
 }
 
-/* After a step: holds what need not move in the next, or lets go what is held. @return false if the
- * state cannot be evaluated. */
+/* After a step: freezes the part that need not move in the next, or releases the frozen part.
+ * @return false if the state cannot be evaluated. */
 static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
     if (!haft_active_mesh_is_frozen(t)) {
         if (!settling) {
@@ -296,7 +295,7 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
     return true;
 }
 
-/* Makes the step taken the landing's last. @return whether the flow settles. */
+/* Records the step as the last one. @return whether the flow settles. */
 static bool go_on(haft_tracker *t, landing *l, flow_step taken) {
     t->cost.flow_steps++;
     swap(l->from, l->to);
@@ -310,7 +309,7 @@ static bool go_on(haft_tracker *t, landing *l, flow_step taken) {
     return is_settling(l->before, l->last);
 }
 
-/* Brings a flow that settles to rest, if it will: else it goes on. @return HAFT_OUTCOMES if so. */
+/* Tries to bring a settling flow to rest. @return HAFT_OUTCOMES if it must go on. */
 static haft_outcome finish(haft_tracker *t, landing *l) {
     if (!is_arriving(t, l->from)) {
         return HAFT_OUTCOMES;
@@ -328,7 +327,7 @@ static haft_outcome finish(haft_tracker *t, landing *l) {
     return finite ? HAFT_OUTCOMES : HAFT_OUTCOME_NOT_FINITE;
 }
 
-/* Why a step that must be shorter is the last, HAFT_OUTCOMES if it is not. */
+/* The outcome if a rejected step cannot be shortened; HAFT_OUTCOMES if it can. */
 static haft_outcome give_up(const haft_tracker *t, const landing *l) {
     if (t->not_finite > NOT_FINITE_LIMIT) {
         return HAFT_OUTCOME_NOT_FINITE;
@@ -336,8 +335,8 @@ static haft_outcome give_up(const haft_tracker *t, const landing *l) {
     return l->dt > 1e-40 ? HAFT_OUTCOMES : HAFT_OUTCOME_FLOW_STALLED;
 }
 
-/* Puts the flow off the fold, or, with `away` NULL, where it starts by its own forces: that may be
- * so near to rest that it has nowhere to go. @return HAFT_OUTCOMES if it is to be followed. */
+/* Starts the flow off the fold, or with `away` NULL by the forces at `here`, which may be so near
+ * to rest that there is nowhere to go. @return HAFT_OUTCOMES if the flow is to be followed. */
 static haft_outcome set_out(haft_tracker *t, landing *l, const double *away) {
     l->to->load = t->here.load;
     if (away != NULL) {

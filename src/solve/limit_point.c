@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A fold is where dP/dtau = 0 on the branch followed by the parameter: there the null vector of H
- * is du/dtau, and the bordered matrix is regular. The root is found by Newton on dP/dtau, whose
- * slope P'' comes with the branch's second derivatives, kept inside a bracket that is halved
- * whenever Newton leaves it or the rate has not fallen to half. P is stationary at the root, so the
- * fold's load is twice as exact as its place. */
+/* Locates a fold, where dP/dtau = 0 along the branch. There the null vector of H is du/dtau, and
+ * the bordered matrix is regular. Newton's method on dP/dtau takes P'' from the branch's second
+ * derivatives, within a bracket that is halved whenever Newton leaves it or the rate does not fall
+ * to half. P is stationary at the root, so its load is twice as exact as its place. */
 #include "limit_point.h"
 #include "corrector.h"
 
@@ -12,15 +11,15 @@
 
 enum { FOLD_ITERATIONS = 60 };
 
-/* The root counts as found when |dP/dtau| has fallen to this share of the branch's own, or when
- * Newton would move its place by less than this share of the step: of the load that is the square,
- * nothing. Rounding in the rate keeps a smaller share from coming true, and then Newton, taken to
- * have failed, gives way to bisection of the whole bracket. */
+/* The root is found when |dP/dtau| has fallen to this share of its value at the start, or when
+ * Newton would move it by less than this share of the step; the change of the load is the square of
+ * that. Rounding of the rate would not allow a smaller share: Newton would count as failed, and the
+ * whole bracket would be bisected. */
 #define FOLD_TOLERANCE 1e-10
 #define PLACE_TOLERANCE 1e-6
 
 typedef struct bracket {
-    double stable, beyond; /* dtau from `here` on both sides of the fold */
+    double stable, beyond; /* dtau from `here` before and beyond the fold */
 } bracket;
 
 /* Solves for the branch at dtau; t->next and t->end hold it. */

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The programme: load to the crack length asked for, unload to nothing, jump by jump. */
+/* The continuation driver: loads to the crack length asked for, then unloads to zero. */
 #include "active_mesh.h"
 #include "branch.h"
 #include "walker.h"
 
 #include <math.h>
 
-/* A wall pressed in by so many ranges more than the gap is pressed through. */
+/* A wall pressed in deeper than the gap by so many ranges counts as pressed through. */
 #define DEEP_RANGES 100
 
-/* Whether the load, which nothing limits, presses a wall in deeper than the gap is high: it will
- * not reach the crack length asked for. */
+/* Whether an unlimited load presses a wall in deeper than the gap is high: then it will never reach
+ * the crack length asked for. */
 static bool is_pressed_through(const haft_walker *w) {
     const haft_tracker *t = w->t;
     if (w->direction < 0 || isfinite(t->programme.load_limit)) {
@@ -38,7 +38,7 @@ static haft_outcome follow(haft_walker *w) {
         }
         haft_outcome outcome = haft_walker_advance(w);
         if (outcome != HAFT_OUTCOME_STUCK && outcome != HAFT_OUTCOME_FREE && w->t->not_finite > 0) {
-            return HAFT_OUTCOME_NOT_FINITE; /* that is what the step could not get past */
+            return HAFT_OUTCOME_NOT_FINITE; /* which stopped the step */
         }
         if (outcome == HAFT_OUTCOME_FREE) {
             return HAFT_OUTCOME_STUCK;
@@ -72,7 +72,7 @@ static haft_outcome walk(haft_walker *w) {
         haft_walker_record(w, -1);
     }
     w->step_size = t->options.gap_step;
-    if (!haft_walker_reached(w, &t->here)) { /* it may be, at rest */
+    if (!haft_walker_reached(w, &t->here)) { /* at rest the crack may be short enough */
         outcome = follow(w);
     }
     w->path->turn = w->path->points > 0 ? w->path->points - 1 : 0;

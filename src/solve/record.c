@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The record of a path. Memory grows by doubling, outside the loops that solve. */
+/* The record of a path. Its arrays grow by doubling. */
 #include "record.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Work below this share of the energies is nearly nothing: rounding of the energies would show in
- * the ledger. */
+/* Least work that the ledger error is relative to, as a share of the energies, whose rounding would
+ * show otherwise. */
 #define NEGLIGIBLE_WORK 1e-6
 
 /* Doubles an array so that it holds at least `need` items. */
@@ -48,7 +48,7 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
     return status;
 }
 
-/* `here` on the whole mesh. */
+/* Interpolates `here` to the whole mesh. */
 static void copy_state(const haft_tracker *t, double *u) {
     if (t->at == 0) {
         memcpy(u, t->here.u, t->whole->dofs * sizeof *u);

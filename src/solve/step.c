@@ -1,34 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Walking a branch. Each step is controlled by the gap that would move most, in the length over
- * which its force changes, so that a fold of the load is an ordinary point of the step; where a gap
- * would pass a kink of its law, the step ends on the kink, so that every step's derivatives are
- * smooth. */
+/* Following a branch. The continuation parameter of a step is the gap with the largest scaled
+ * displacement, so that a fold of the load is an ordinary point of the step. Where a gap would pass
+ * a kink of its law, the step ends on the kink, so that derivatives are smooth within each step. */
 #include "active_mesh.h"
 #include "walker.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A step smaller than this, in lengths, is no step. */
+/* Smallest step, scaled. */
 #define LEAST_STEP 1e-9
 
-/* A branch that loses its stability within a step of this size, in lengths, without its load
- * turning is at a bifurcation. */
+/* A branch that loses stability within a step of this scaled size, although the load does not turn,
+ * is at a bifurcation. */
 #define EDGE_STEP 1e-6
 
-/* What a state that is off its branch may miss in the ledger, in units of its rounding. */
+/* Largest defect of the ledger that counts as rounding of a state, in units of that rounding. */
 #define OFF_BRANCH 1e4
 
-/* A step is at most so many times the one before: where a table's knots have cut it, there are more
- * of them ahead. */
+/* Largest growth of a step: where knots of a table have cut it, more of them lie ahead. */
 #define GROWTH 1.3
 
-/* A gap is on a kink of its law within this share of the law's range, but no step can bring it
- * nearer than the rounding of gaps, as a share of the height that they are measured from. */
+/* A gap is on a kink of its law within this share of the law's range, or within the rounding of
+ * gaps, as a share of the height they are measured from. */
 #define KINK_NEAR 1e-9
 #define GAP_ROUNDING 0x1p-49
 
-/* A gap that moves less than this share of the largest move does not choose where a step ends. */
+/* Kinks of gaps that move less than this share of the largest move do not end a step. */
 #define KINK_SHARE 0.05
 
 /* The gap that moves most in the direction of the certified branch becomes the parameter. */
@@ -41,8 +39,8 @@ static haft_parameter choose_control(haft_tracker *t) {
     return (haft_parameter){&t->model->site[site], site};
 }
 
-/* Derivatives at `here` by the step's parameter: those that the last step arrived with, unless it
- * ended where the two sides differ. */
+/* Derivatives at `here` by the step's parameter: those at the end of the last step, unless the two
+ * sides differ there. */
 static void derive(haft_walker *w, const haft_step *step) {
     haft_tracker *t = w->t;
     if (!w->arrived) {
@@ -56,8 +54,7 @@ static void derive(haft_walker *w, const haft_step *step) {
     w->arrived = false;
 }
 
-/* Sets out from `here`: parameter, derivatives on the side of the motion, a step of step_size
- * lengths. */
+/* Starts a step at `here`: parameter, derivatives on the side of the motion, and size step_size. */
 static void depart(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
     step->parameter = choose_control(t);
@@ -74,9 +71,9 @@ static void depart(haft_walker *w, haft_step *step) {
     step->dtau = step->sign * size;
 }
 
-/* Share of the step at which a gap, moving from d by first- and second-order amounts a and b,
- * passes a kink; above 1 if it does not, or if it sets out the other way and turns: by that gap as
- * the parameter the kink lies behind. A gap within `near` of the kink is on it. */
+/* Share of the step at which a gap passes a kink, moving from d by first- and second-order amounts
+ * a and b. It is above 1 if the gap does not pass, or if it first moves away and then turns, since
+ * the gap cannot be the parameter then. A gap within `near` of the kink is on it. */
 static double passing_share(double d, double a, double b, double kink, double near) {
     double end = d + a + b, to = kink - d;
     if (fabs(to) < near || to * (kink - end) >= 0 || to * a <= 0) {
@@ -89,8 +86,8 @@ static double passing_share(double d, double a, double b, double kink, double ne
     return share > 0 && share < 1 ? share : to / (end - d);
 }
 
-/* Shortens the step to the first kink of a law that it would pass, by taking that gap's site as the
- * parameter: then the kink is met to round-off. */
+/* Shortens the step to the first kink that it would pass, with that gap's site as the parameter, so
+ * that it ends on the kink to rounding. */
 static void stop_at_kink(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
     const haft_model *m = t->model;
@@ -126,7 +123,7 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
     }
 }
 
-/* Accepts `next` and adapts the step by what the ledger and the corrector left of their margins. */
+/* Accepts `next`, and adapts the step size to the margins that ledger and corrector left. */
 static void accept(haft_walker *w, const haft_step *step) {
     haft_walker_swap(w->t);
     w->arrived = !step->at_kink;
@@ -140,7 +137,7 @@ static void accept(haft_walker *w, const haft_step *step) {
     haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
-/* Cuts a step by what its defect exceeds. */
+/* Shortens a step by the excess of its defect. */
 static void shrink(haft_walker *w, haft_step *step) {
     w->t->cost.rejected++;
     double factor = 0.5;
@@ -152,17 +149,16 @@ static void shrink(haft_walker *w, haft_step *step) {
     step->dtau *= factor;
 }
 
-/* Whether what a sound step misses in the ledger is not lessened by shorter steps: then `here` is
- * off its branch by what the corrector was allowed in a soft direction, the step is back on it,
- * and what it misses in the ledger is the energy of that error. */
+/* Whether shorter steps do not reduce the ledger's defect of a sound step. Then `here` is off its
+ * branch in a soft direction by what the corrector's tolerance allows, the step returns to the
+ * branch, and the defect is the energy of that error. */
 static bool is_back_on_branch(const haft_walker *w, const haft_step *step, double defect_before) {
     const haft_tracker *t = w->t;
     return w->step_size < EDGE_STEP && fabs(step->defect) > 0.9 * fabs(defect_before) &&
            fabs(step->defect) < OFF_BRANCH * haft_tracker_rounding(&t->here, &t->next);
 }
 
-/* What the crack's length exceeds the one asked for by where a step of this size ends; NaN if that
- * is no step. */
+/* Crack length above the one asked for at the end of a step of this size; NaN if the step fails. */
 static double excess_at(haft_walker *w, haft_step *step, double dtau) {
     step->dtau = dtau;
     haft_step_result result = haft_branch_try(w->t, step, w->direction);
@@ -170,9 +166,9 @@ static double excess_at(haft_walker *w, haft_step *step, double dtau) {
     return sound ? haft_walker_excess(w, &w->t->next) : NAN;
 }
 
-/* Shortens a step that goes past the crack length asked for so that it ends where that is just
- * reached: by secants that every third time give way to bisection, for the crack's tip leaps where
- * it passes from patch to patch. @return false if no such step could be taken. */
+/* Shortens a step that passes the crack length asked for, so that it ends where that is just
+ * reached. Every third secant is a bisection, since the tip leaps from patch to patch. @return
+ * false if no such step could be taken. */
 static bool stop_at_target(haft_walker *w, haft_step *step) {
     double wanted = w->t->programme.crack_length, full = fabs(step->dtau);
     double low = 0, above = haft_walker_excess(w, &w->t->here);
@@ -195,7 +191,7 @@ static bool stop_at_target(haft_walker *w, haft_step *step) {
     return excess_at(w, step, high) <= 0;
 }
 
-/* Takes the load itself as parameter to end a step exactly at a load. */
+/* Takes the load as the parameter, to end a step exactly at a load. */
 static bool stop_at_load(haft_walker *w, haft_step *step, double load) {
     haft_tracker *t = w->t;
     haft_step direct = *step;
@@ -269,7 +265,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
         defect_before = step.defect;
         shrink(w, &step);
     }
-    if (haft_active_mesh_is_frozen(t)) { /* the whole of it may get on */
+    if (haft_active_mesh_is_frozen(t)) { /* the whole mesh may succeed */
         haft_walker_unfreeze(w);
         w->step_size = t->options.gap_step;
         return HAFT_OUTCOME_STUCK;

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* Sum of v, as eight sums side by side: finite only where all are. */
+/* Sum of v, in eight lanes; not finite if any element is not. */
 HAFT_CLONES static double total(const double *v, size_t n) {
     double part[HAFT_LAW_LANES] = {0}, sum = 0;
     size_t whole = n / HAFT_LAW_LANES * HAFT_LAW_LANES;
@@ -26,7 +26,7 @@ static haft_energy add(haft_energy a, haft_energy b) {
     return (haft_energy){a.strain + b.strain, a.contact + b.contact, a.rounding + b.rounding};
 }
 
-/* Evaluates, the gaps into `gap`. */
+/* Evaluates energy, gradient and Hessian, and puts the gaps into `gap`. */
 static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                      double *force_scale, double *gap) {
     double *stiffness = t->needs_refinement ? t->site_stiffness : NULL;
@@ -35,7 +35,7 @@ static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy 
     if (energy != NULL) {
         *energy = add(e, t->frozen.energy);
     }
-    /* the rounding is of all forces' sizes but the load's */
+    /* the rounding bound covers all forces but the load */
     bool finite = isfinite(e.strain + e.contact + e.rounding + load);
     t->not_finite += !finite;
     return finite;

@@ -7,12 +7,12 @@
 
 #include <math.h>
 
-/* A crack is as short as asked within this share: its tip rests at the borders of patches for a
- * while, and a length asked for there must not be missed by rounding. */
+/* Relative tolerance of the crack length asked for. The tip rests at borders of patches, and
+ * rounding must not miss a length asked for there. */
 #define CRACK_TOLERANCE 1e-9
 
-/* Sites that move by less than this share of the most are held, but for a few, if no more than such
- * a share of the unknowns is left to move; and later more of them, if that is worth it. */
+/* Freeze sites that move by less than STILL_SHARE of the largest move, except for SPARE_SITES, if
+ * at most STILL_MOST of the unknowns remain; freeze more later if that gains WORTH_SITES. */
 #define STILL_SHARE 1e-10
 #define STILL_MOST 0.85
 enum { SPARE_SITES = 8, WORTH_SITES = 32 };
@@ -44,7 +44,7 @@ bool haft_walker_reached(const haft_walker *w, haft_state *state) {
     return w->direction > 0 && haft_walker_excess(w, state) <= 0;
 }
 
-/* `here` on the mesh just entered. */
+/* Certifies `here` on the mesh just entered. */
 static void settle(haft_walker *w) {
     haft_branch_certify(w->t);
     w->arrived = false;
@@ -68,8 +68,8 @@ bool haft_walker_widen(haft_walker *w) {
     return true;
 }
 
-/* Holds what hardly moves with the load at `here`, just certified, where that is much of the mesh,
- * or more than is held already. */
+/* Freezes the part that the load hardly moves at `here`, just certified, if that is much of the
+ * mesh and more than is frozen already. */
 static void hold(haft_walker *w) {
     haft_tracker *t = w->t;
     bool held = haft_active_mesh_is_frozen(t);

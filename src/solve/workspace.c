@@ -24,8 +24,7 @@ static haft_path_options resolve(const haft_path_options *given) {
     return o;
 }
 
-/* All vectors of length n, and all that have a number a site, in one list each: allocated and freed
- * by the same walk. */
+/* Lists of all vectors of length n and of all vectors over sites, for allocation and freeing. */
 enum { VECTORS = 21, SITE_VECTORS = 15 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
     double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
@@ -81,10 +80,10 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     return HAFT_OK;
 }
 
-/* Share of the greatest pull below which a force hardly counts, for the step's size. */
+/* Share of the greatest pull below which a force hardly matters for the step size. */
 #define FAINT_SHARE 1e-3
 
-/* And below which it is lost in the rounding of the others. */
+/* Share below which it is lost in rounding. */
 #define LOST_SHARE 1e-16
 
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
