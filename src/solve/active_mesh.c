@@ -41,9 +41,10 @@ static haft_energy subtract(haft_energy a, haft_energy b) {
 /* Copies the frozen part to the other state, and clears its motion. */
 static void keep_still(haft_tracker *t, const haft_state *state, haft_state *other) {
     const haft_model *m = t->mesh[t->at].model;
-    double *still[] = {t->solution, t->null,     t->mode,       t->start.u1,   t->start.u2,
-                       t->end.u1,   t->end.u2,   t->rebased.u1, t->rebased.u2, t->stage[0],
-                       t->stage[1], t->stage[2], t->scratch[0], t->scratch[1]};
+    double *still[] = {t->solution,        t->null,           t->mode,          t->start.u1,
+                       t->start.u2,        t->end.u1,         t->end.u2,        t->rebased.u1,
+                       t->rebased.u2,      t->work.stage[0],  t->work.stage[1], t->work.stage[2],
+                       t->work.scratch[0], t->work.scratch[1]};
     for (size_t i = 0; i < sizeof still / sizeof *still; i++) {
         memset(still[i] + t->n, 0, (m->dofs - t->n) * sizeof(double));
     }
@@ -58,7 +59,8 @@ bool haft_active_mesh_freeze(haft_tracker *t, const haft_state *state, haft_stat
     const haft_model *m = t->mesh[t->at].model;
     size_t moving = 0;
     haft_model front = haft_model_front(m, sites, &moving);
-    if (t->options.whole_mesh || (double)moving > most * (double)m->dofs || !lead(t, moving)) {
+    if (t->problem.options.whole_mesh || (double)moving > most * (double)m->dofs ||
+        !lead(t, moving)) {
         haft_active_mesh_enter(t, t->at);
         return false;
     }
@@ -88,8 +90,9 @@ double haft_active_mesh_unbalance(const haft_tracker *t) {
 
 static haft_status create_solvers(haft_tracker *t, haft_active_mesh *mesh, haft_error *error) {
     const haft_model *m = mesh->model;
-    haft_factor_kind kind =
-        t->options.linear_solver == HAFT_LINEAR_SOLVER_KLU ? HAFT_FACTOR_KLU : HAFT_FACTOR_BAND;
+    haft_factor_kind kind = t->problem.options.linear_solver == HAFT_LINEAR_SOLVER_KLU
+                                ? HAFT_FACTOR_KLU
+                                : HAFT_FACTOR_BAND;
     haft_status status =
         haft_factor_create(&mesh->factor, kind, m->dofs, m->column, m->row, m->stiffness, error);
     if (status == HAFT_OK) {
@@ -99,14 +102,14 @@ static haft_status create_solvers(haft_tracker *t, haft_active_mesh *mesh, haft_
 }
 
 haft_status haft_active_meshes_create(haft_tracker *t, haft_error *error) {
-    for (const haft_model *m = t->whole; m != NULL; m = m->shorter) {
-        t->meshes += t->meshes == 0 || !t->options.whole_mesh;
+    for (const haft_model *m = t->problem.whole; m != NULL; m = m->shorter) {
+        t->meshes += t->meshes == 0 || !t->problem.options.whole_mesh;
     }
     t->mesh = haft_memory_alloc(t->meshes, sizeof *t->mesh, error);
     if (t->mesh == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    const haft_model *m = t->whole;
+    const haft_model *m = t->problem.whole;
     for (size_t i = 0; i < t->meshes; i++, m = m->shorter) {
         t->mesh[i].model = m;
         haft_status status = create_solvers(t, &t->mesh[i], error);
@@ -128,8 +131,8 @@ void haft_active_meshes_destroy(haft_tracker *t) {
 }
 
 static void carry(haft_tracker *t, const haft_model *from, double *u) {
-    haft_model_carry(from, t->model, u, t->scratch[0]);
-    memcpy(u, t->scratch[0], t->n * sizeof *u);
+    haft_model_carry(from, t->model, u, t->work.scratch[0]);
+    memcpy(u, t->work.scratch[0], t->n * sizeof *u);
 }
 
 static void change(haft_tracker *t, size_t at, haft_state *state) {
@@ -142,14 +145,14 @@ static void change(haft_tracker *t, size_t at, haft_state *state) {
 }
 
 bool haft_active_mesh_is_clear(const haft_tracker *t, const double *u) {
-    return haft_model_clear_sites(t->model, u, t->nil) == t->model->inert;
+    return haft_model_clear_sites(t->model, u, t->problem.lost) == t->model->inert;
 }
 
 bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ahead) {
     if (t->at == 0) {
         return false;
     }
-    size_t clear = haft_model_clear_sites(t->model, ahead, t->nil), at = t->at - 1;
+    size_t clear = haft_model_clear_sites(t->model, ahead, t->problem.lost), at = t->at - 1;
     while (at > 0 && t->mesh[at].model->inert > clear) {
         at--;
     }
@@ -160,11 +163,11 @@ bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ah
 /* Whether a mesh that leaves out the first `inert` sites has sites to spare, even after another
  * move like the last one. */
 static bool is_enough(const haft_tracker *t, size_t inert, const double *u, const double *before) {
-    for (size_t r = inert + SPARE_SITES; r-- > t->whole->inert;) {
+    for (size_t r = inert + SPARE_SITES; r-- > t->problem.whole->inert;) {
         const haft_site *site = &t->model->site[r];
         double w = haft_model_displacement(site, u);
         double coming = before == NULL ? 0 : w - haft_model_displacement(site, before);
-        if (t->model->gap - w - fmax(0, 2 * coming) <= t->nil[r]) {
+        if (t->model->gap - w - fmax(0, 2 * coming) <= t->problem.lost[r]) {
             return false;
         }
     }

@@ -52,7 +52,7 @@ static double greatest(const double *v, size_t n) {
 /* One step of iterative refinement of H x = b for the factored H, with a product by deformation
  * modes. @return the change relative to x */
 static double refine(haft_tracker *t, const double *b, double *x) {
-    double *step = t->scratch[1];
+    double *step = t->work.scratch[1];
     haft_model_multiply(t->model, t->site_stiffness, x, step);
     for (size_t k = 0; k < t->n; k++) {
         step[k] = b[k] - step[k];
@@ -68,7 +68,7 @@ static double refine(haft_tracker *t, const double *b, double *x) {
 /* Refines the solution x of H x = b, b in scratch[0], to a relative error of about `enough`, on
  * meshes that need it. */
 static void refine_all(haft_tracker *t, double *x, double enough) {
-    const double *b = t->scratch[0];
+    const double *b = t->work.scratch[0];
     double last = INFINITY, rate = 0;
     for (int i = 0; i < REFINEMENTS && t->needs_refinement; i++) {
         double change = refine(t, b, x);
@@ -83,7 +83,7 @@ static void refine_all(haft_tracker *t, double *x, double enough) {
 /* Puts the load's row into scratch[0] and into the right-hand side; frozen unknowns have no load.
  */
 static void put_load(haft_tracker *t) {
-    double *b = t->scratch[0];
+    double *b = t->work.scratch[0];
     memset(b, 0, t->n * sizeof *b);
     haft_tracker_add_row(t, &t->model->load, 1, b);
     memset(b + t->n, 0, (t->model->dofs - t->n) * sizeof *b);
@@ -93,7 +93,7 @@ static void put_load(haft_tracker *t) {
 bool haft_branch_loses_digits(haft_tracker *t) {
     put_load(t);
     haft_tracker_solve(t, t->solution);
-    return refine(t, t->scratch[0], t->solution) > LOST_DIGITS;
+    return refine(t, t->work.scratch[0], t->solution) > LOST_DIGITS;
 }
 
 haft_inertia haft_branch_certify(haft_tracker *t) {
@@ -110,13 +110,14 @@ haft_inertia haft_branch_certify(haft_tracker *t) {
 static void second_derivatives(haft_tracker *t, const haft_state *state, haft_parameter parameter,
                                int side, double rate, haft_branch *out) {
     const haft_model *m = t->model;
-    double *d = t->site[0], *force = t->site[1], by_control = 1 / rate, unit = 1 / m->energy_unit;
-    haft_law_values values = {t->site[2], t->site[3], t->site[4], force};
+    double *d = t->work.site[0], *force = t->work.site[1], by_control = 1 / rate,
+           unit = 1 / m->energy_unit;
+    haft_law_values values = {t->work.site[2], t->work.site[3], t->work.site[4], force};
     for (size_t r = m->inert; r < m->sites; r++) {
         double motion = t->motion[r] * by_control;
-        d[r] = state->gap[r] - copysign(KINK_OFFSET * t->range[r], motion * side);
+        d[r] = state->gap[r] - copysign(KINK_OFFSET * t->problem.lengths.range[r], motion * side);
     }
-    haft_law_rows_evaluate(t->rows, m->inert, m->sites - m->inert, d + m->inert, &values);
+    haft_law_rows_evaluate(t->problem.rows, m->inert, m->sites - m->inert, d + m->inert, &values);
     for (size_t r = m->inert; r < m->sites; r++) {
         double weight = m->site[r].area * unit, motion = t->motion[r] * by_control;
         force[r] = -weight * values.curvature[r - m->inert] * motion * motion;
@@ -124,7 +125,7 @@ static void second_derivatives(haft_tracker *t, const haft_state *state, haft_pa
     memset(out->u2, 0, m->dofs * sizeof *out->u2);
     haft_model_add_forces(m, force, out->u2);
     memset(out->u2 + t->n, 0, (m->dofs - t->n) * sizeof *out->u2); /* the frozen part stays */
-    memcpy(t->scratch[0], out->u2, t->n * sizeof *out->u2);
+    memcpy(t->work.scratch[0], out->u2, t->n * sizeof *out->u2);
     haft_tracker_solve(t, out->u2);
     refine_all(t, out->u2, ENOUGH_OF_SECOND);
     out->load2 = 0;
@@ -191,7 +192,7 @@ double haft_branch_work(const haft_tracker *t, double dtau) {
 }
 
 double haft_branch_least_eigenvalue(haft_tracker *t) {
-    double *x = t->mode, *mx = t->scratch[0], *y = t->scratch[1], lambda = 0, last = NAN;
+    double *x = t->mode, *mx = t->work.scratch[0], *y = t->work.scratch[1], lambda = 0, last = NAN;
     for (int sweep = 0; sweep < EIGEN_SWEEPS && !(fabs(lambda - last) < 1e-3 * lambda); sweep++) {
         last = lambda;
         double before = haft_tracker_weigh(t, x, mx), after = 0;
@@ -231,7 +232,7 @@ static double total(haft_energy e) {
 void haft_branch_book(haft_tracker *t, haft_step *step) {
     step->work = haft_branch_work(t, step->dtau);
     step->defect = total(t->next.energy) - total(t->here.energy) - step->work;
-    step->allowed = t->options.ledger_tolerance * fabs(step->work);
+    step->allowed = t->problem.options.ledger_tolerance * fabs(step->work);
     if (haft_tracker_meets_knots(t, step->parameter)) {
         step->allowed = fmax(step->allowed, SPENT * t->ledger_left);
     }
@@ -285,7 +286,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
         return HAFT_STEP_REJECTED;
     }
     step->failure = HAFT_OUTCOME_BRANCH_LOST;
-    step->moved = haft_tracker_way(t, t->next.gap, t->gap_predicted);
+    step->moved = haft_tracker_scaled_distance(t, t->next.gap, t->gap_predicted);
     if (!(step->moved <= HAFT_CORRECTION_LIMIT)) {
         return HAFT_STEP_REJECTED;
     }
@@ -315,7 +316,8 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->failure = HAFT_OUTCOME_STEP_STALLED;
     double depth = 1, where = 0;
     if (step->parameter.site != NULL &&
-        fabs(step->dtau) * t->model->gap > DIP_STEP * t->range[step->parameter.index]) {
+        fabs(step->dtau) * t->model->gap >
+            DIP_STEP * t->problem.lengths.range[step->parameter.index]) {
         where = deepest_dip(t, step->dtau, &depth);
     }
     bool inside = where > DIP_EDGE && where < 1 - DIP_EDGE;

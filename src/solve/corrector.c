@@ -134,7 +134,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     haft_tracker *t = c->tracker;
     const double *rhs = N_VGetArrayPointer(b);
     double *out = N_VGetArrayPointer(x);
-    double *y = t->pair, s = rhs[c->n];
+    double *y = t->work.pair, s = rhs[c->n];
     t->cost.solves++;
     memcpy(y, rhs, t->n * sizeof *y);
     memset(out + t->n, 0, (c->n - t->n) * sizeof *out);
@@ -145,11 +145,11 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
         out[c->n] = s;
         return 0;
     }
-    double *z = t->pair + t->n;
+    double *z = t->work.pair + t->n;
     memset(z, 0, t->n * sizeof *z);
     haft_tracker_add_row(t, c->parameter.site, c->kappa * s, y);
     haft_tracker_add_row(t, &t->model->load, 1, z);
-    haft_factor_solve(c->factor, t->pair, 2);
+    haft_factor_solve(c->factor, t->work.pair, 2);
     double d_load =
         (s - haft_tracker_row(t, c->parameter.site, y)) / haft_tracker_row(t, c->parameter.site, z);
     if (!isfinite(d_load)) {
@@ -237,8 +237,9 @@ haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const h
     }
     c->tracker = t;
     c->n = model->dofs;
-    haft_factor_kind kind =
-        t->options.linear_solver == HAFT_LINEAR_SOLVER_BAND ? HAFT_FACTOR_BAND : HAFT_FACTOR_KLU;
+    haft_factor_kind kind = t->problem.options.linear_solver == HAFT_LINEAR_SOLVER_BAND
+                                ? HAFT_FACTOR_BAND
+                                : HAFT_FACTOR_KLU;
     haft_status status = haft_factor_create(&c->factor, kind, c->n, model->column, model->row,
                                             model->stiffness, error);
     if (status != HAFT_OK) {
@@ -318,8 +319,8 @@ static double parameter_length(const haft_tracker *t, haft_parameter parameter, 
     for (int k = 0; k < site->terms; k++) {
         size += fabs(site->shape[k] * u[site->dof[k]]) / t->model->gap;
     }
-    double least = VALUE_ROUNDING * size / t->options.residual_tolerance;
-    return fmax(t->range[parameter.index] / t->model->gap, least);
+    double least = VALUE_ROUNDING * size / t->problem.options.residual_tolerance;
+    return fmax(t->problem.lengths.range[parameter.index] / t->model->gap, least);
 }
 
 /* A stiffness at the parameter that exceeds any softening of its law. */
@@ -327,8 +328,8 @@ static double border_stiffness(const haft_tracker *t, haft_parameter parameter) 
     if (parameter.site == NULL) {
         return 0;
     }
-    const haft_law *law = &t->laws[parameter.index];
-    double slope = 4 * law->f_max / t->range[parameter.index];
+    const haft_law *law = &t->problem.laws[parameter.index];
+    double slope = 4 * law->f_max / t->problem.lengths.range[parameter.index];
     double gap = t->model->gap;
     return 1 + slope * parameter.site->area * gap * gap / t->model->energy_unit;
 }
@@ -369,7 +370,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double valu
         scale[i] = 1 / force;
     }
     scale[c->n] = 1 / parameter_length(t, parameter, value, y);
-    double tolerance = fmax(t->options.residual_tolerance, rounding_floor(t, y) / force);
+    double tolerance = fmax(t->problem.options.residual_tolerance, rounding_floor(t, y) / force);
     bool solved = run_kinsol(c, tolerance);
     if (!solved && c->finite) { /* the floor at the start, as at rest, can be far too low */
         double floor_here = rounding_floor(t, y) / force;

@@ -24,10 +24,11 @@
 
 static void describe_jump(haft_walker *w, haft_jump *jump) {
     haft_tracker *t = w->t;
-    double closing = 0, *gap = t->site[0];
+    double closing = 0, *gap = t->work.site[0];
     haft_model_gaps(t->model, t->here.u, gap);
-    for (size_t r = t->whole->inert; r < t->whole->sites; r++) {
-        bool before = t->gap_before[r] <= t->reach[r], after = gap[r] <= t->reach[r];
+    for (size_t r = t->problem.whole->inert; r < t->problem.whole->sites; r++) {
+        bool before = t->gap_before[r] <= t->problem.reach[r],
+             after = gap[r] <= t->problem.reach[r];
         jump->sites_switched += before != after;
         closing += t->gap_before[r] - gap[r];
     }
@@ -41,13 +42,13 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
     haft_tracker *t = w->t;
     haft_active_mesh_enter(t, t->at); /* a jump may move what was frozen on the branch */
     haft_jump jump = {.phase = w->phase,
-                      .load = t->here.load * t->load_unit,
+                      .load = t->here.load * t->problem.load_unit,
                       .crack_before = haft_tracker_crack(t, &t->here),
                       .internal_before = t->here.energy.strain,
                       .departure = departure,
                       .fold_defect = fold_defect};
     size_t site = 0;
-    haft_tracker_move(t, t->here.gap, t->null, &site);
+    haft_tracker_scaled_displacement(t, t->here.gap, t->null, &site);
     jump.site = (int)site;
     double energy = t->here.energy.strain + t->here.energy.contact;
     double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
@@ -59,7 +60,7 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
         return outcome;
     }
     if (departure != HAFT_DEPARTURE_FOLD) { /* shorter and shorter steps led there */
-        w->step_size = t->options.gap_step;
+        w->step_size = t->problem.options.gap_step;
     }
     if (departure == HAFT_DEPARTURE_REST && jump.flow_steps == 0) {
         return HAFT_OUTCOME_STUCK; /* no jump */
@@ -124,10 +125,10 @@ static double energy_beside(haft_tracker *t, double amplitude) {
 /* The sign by which the first of the gaps that move most closes in loading, opens in unloading. */
 static int conventional_sign(const haft_walker *w) {
     const haft_tracker *t = w->t;
-    double most = haft_tracker_move(t, t->here.gap, t->null, NULL);
+    double most = haft_tracker_scaled_displacement(t, t->here.gap, t->null, NULL);
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
         double closing = haft_model_displacement(&t->model->site[r], t->null);
-        if (fabs(closing) / haft_tracker_length(t, r, t->here.gap[r]) > 0.999 * most) {
+        if (fabs(closing) / haft_length(&t->problem.lengths, r, t->here.gap[r]) > 0.999 * most) {
             return closing * w->direction > 0 ? 1 : -1;
         }
     }
@@ -142,7 +143,8 @@ haft_outcome haft_jump_at_bifurcation(haft_walker *w, const haft_step *step) {
         haft_branch_least_eigenvalue(t);
     }
     memcpy(t->null, t->mode, t->n * sizeof(double));
-    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, t->null, NULL);
+    double amplitude =
+        HAFT_DEPARTURE_MOVE / haft_tracker_scaled_displacement(t, t->here.gap, t->null, NULL);
     double forth = energy_beside(t, amplitude), back = energy_beside(t, -amplitude);
     double alike = haft_tracker_rounding(&t->here, &t->here) +
                    1e-3 * fabs(forth + back - 2 * energy_beside(t, 0));
@@ -161,7 +163,8 @@ haft_outcome haft_jump_at_multiple_fold(haft_walker *w, const haft_step *step) {
     for (size_t i = 0; i < t->n; i++) {
         t->null[i] = step->sign * t->start.u1[i];
     }
-    double amplitude = HAFT_DEPARTURE_MOVE / haft_tracker_move(t, t->here.gap, t->null, NULL);
+    double amplitude =
+        HAFT_DEPARTURE_MOVE / haft_tracker_scaled_displacement(t, t->here.gap, t->null, NULL);
     if (!(energy_beside(t, amplitude) < energy_beside(t, 0))) {
         return step->failure; /* the branch does not end here */
     }

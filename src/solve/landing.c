@@ -74,8 +74,8 @@ HAFT_CLONES static void add_scaled(size_t n, const double *a, double factor, con
 
 /* Factors the matrix of a step dt, and solves for b. @return whether it is positive definite */
 static bool solve_damped(haft_tracker *t, double dt, double *b) {
-    add_scaled(t->model->nonzeros, t->hessian, 1 / (GAMMA * dt), t->model->mass, t->matrix);
-    return haft_tracker_factor_solve(t, t->matrix, b) &&
+    add_scaled(t->model->nonzeros, t->hessian, 1 / (GAMMA * dt), t->model->mass, t->work.matrix);
+    return haft_tracker_factor_solve(t, t->work.matrix, b) &&
            haft_factor_inertia(t->factor).negative == 0;
 }
 
@@ -107,23 +107,23 @@ HAFT_CLONES static void conclude(size_t n, const double *u, double *const *stage
 }
 
 /* One step from `from` into `to`. Gradient and Hessian at `from` are current, and stay so; the
- * embedded error goes into t->scratch[0]. @return false if the step must be shorter. */
+ * embedded error goes into t->work.scratch[0]. @return false if the step must be shorter. */
 static bool rosenbrock_step(haft_tracker *t, const haft_state *from, haft_state *to, double dt) {
-    multiply_by(t->n, -1, t->gradient, t->stage[0]);
-    if (!solve_damped(t, dt, t->stage[0])) {
+    multiply_by(t->n, -1, t->gradient, t->work.stage[0]);
+    if (!solve_damped(t, dt, t->work.stage[0])) {
         return false;
     }
-    double *sum = t->scratch[0], *gradient = t->other.gradient;
-    add_scaled(t->n, from->u, 1, t->stage[0], to->u);
+    double *sum = t->work.scratch[0], *gradient = t->other.gradient;
+    add_scaled(t->n, from->u, 1, t->work.stage[0], to->u);
     if (!haft_tracker_gradient(t, to->u, to->load, gradient)) {
         return false;
     }
     for (int i = 1; i < STAGES; i++) {
-        combine(t->n, t->stage, COUPLING[i], i, sum);
-        haft_tracker_multiply_mass(t, 1 / dt, sum, gradient, t->stage[i]);
-        haft_tracker_solve(t, t->stage[i]);
+        combine(t->n, t->work.stage, COUPLING[i], i, sum);
+        haft_tracker_multiply_mass(t, 1 / dt, sum, gradient, t->work.stage[i]);
+        haft_tracker_solve(t, t->work.stage[i]);
     }
-    conclude(t->n, from->u, t->stage, to->u, sum);
+    conclude(t->n, from->u, t->work.stage, to->u, sum);
     return true;
 }
 
@@ -143,13 +143,13 @@ static bool is_settling(flow_step before, flow_step last) {
 
 /* Whether the state last evaluated is stable and its Newton step is small. */
 static bool is_arriving(haft_tracker *t, const haft_state *state) {
-    double *step = t->scratch[1];
+    double *step = t->work.scratch[1];
     multiply_by(t->n, -1, t->gradient, step);
     if (!haft_tracker_factor_solve(t, t->hessian, step) ||
         haft_factor_inertia(t->factor).negative != 0) {
         return false;
     }
-    return haft_tracker_move(t, state->gap, step, NULL) < ARRIVAL;
+    return haft_tracker_scaled_displacement(t, state->gap, step, NULL) < ARRIVAL;
 }
 
 /* Finishes with KINSOL from a state that is arriving. The result must be near it, stable and not
@@ -164,9 +164,9 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
     if (!haft_corrector_solve(t, load, flowing->load, landed)) {
         return false;
     }
-    double come = haft_tracker_way(t, t->gap_before, flowing->gap);
-    if (haft_tracker_way(t, flowing->gap, landed->gap) > 2 * ARRIVAL ||
-        haft_tracker_way(t, t->gap_before, landed->gap) <
+    double come = haft_tracker_scaled_distance(t, t->gap_before, flowing->gap);
+    if (haft_tracker_scaled_distance(t, flowing->gap, landed->gap) > 2 * ARRIVAL ||
+        haft_tracker_scaled_distance(t, t->gap_before, landed->gap) <
             0.5 * fmin(departure, fmax(come, LEAST_WAY))) {
         return false;
     }
@@ -176,7 +176,7 @@ static bool arrive(haft_tracker *t, const haft_state *flowing, haft_state *lande
 
 /* Growth rate of the amplitude of a displacement v off the fold, by the current gradient. */
 static double departure_rate(haft_tracker *t, const double *v) {
-    double weight = haft_tracker_weigh(t, v, t->scratch[3]), down = 0;
+    double weight = haft_tracker_weigh(t, v, t->work.scratch[3]), down = 0;
     for (size_t i = 0; i < t->n; i++) {
         down -= t->gradient[i] * v[i];
     }
@@ -186,8 +186,8 @@ static double departure_rate(haft_tracker *t, const double *v) {
 /* Displaces `from` by `move`, scaled, from the fold. @return the growth rate there, NaN if it
  * cannot be evaluated. */
 static double depart_by(haft_tracker *t, haft_state *from, const double *away, double move) {
-    double *v = t->scratch[2];
-    double amplitude = move / haft_tracker_move(t, t->gap_before, away, NULL);
+    double *v = t->work.scratch[2];
+    double amplitude = move / haft_tracker_scaled_displacement(t, t->gap_before, away, NULL);
     for (size_t i = 0; i < t->n; i++) {
         v[i] = amplitude * away[i];
         from->u[i] = t->here.u[i] + v[i];
@@ -232,14 +232,14 @@ static double try_step(haft_tracker *t, const haft_state *from, haft_state *to, 
     if (!rosenbrock_step(t, from, to, dt)) {
         return INFINITY;
     }
-    double error = haft_tracker_move(t, from->gap, t->scratch[0], NULL);
+    double error = haft_tracker_scaled_displacement(t, from->gap, t->work.scratch[0], NULL);
     if (!(error <= allowed)) {
         return isnan(error) ? INFINITY : error;
     }
     haft_tracker_turn(t);
     if (haft_tracker_visit(t, to)) {
         double before = haft_tracker_potential(t, from);
-        *move = haft_tracker_way(t, from->gap, to->gap);
+        *move = haft_tracker_scaled_distance(t, from->gap, to->gap);
         if (haft_tracker_potential(t, to) <= before + 1e-13 * fabs(before) &&
             !is_caught(error, *move)) {
             return error;
@@ -300,9 +300,10 @@ static bool go_on(haft_tracker *t, landing *l, flow_step taken) {
     t->cost.flow_steps++;
     swap(l->from, l->to);
     haft_active_mesh_narrow(t, l->from, l->to->u);
-    if (l->allowed < t->options.flow_step) {
-        l->allowed = fmin(t->options.flow_step,
-                          ERROR_SHARE * haft_tracker_way(t, t->gap_before, l->from->gap));
+    if (l->allowed < t->problem.options.flow_step) {
+        l->allowed =
+            fmin(t->problem.options.flow_step,
+                 ERROR_SHARE * haft_tracker_scaled_distance(t, t->gap_before, l->from->gap));
     }
     l->before = l->last;
     l->last = taken;
@@ -341,13 +342,13 @@ static haft_outcome set_out(haft_tracker *t, landing *l, const double *away) {
     l->to->load = t->here.load;
     if (away != NULL) {
         l->dt = depart(t, l->from, away, &l->departure);
-        l->allowed = fmin(t->options.flow_step, ERROR_SHARE * l->departure);
+        l->allowed = fmin(t->problem.options.flow_step, ERROR_SHARE * l->departure);
         return isnan(l->dt) ? HAFT_OUTCOME_NOT_FINITE : HAFT_OUTCOMES;
     }
     memcpy(l->from->u, t->here.u, t->n * sizeof(double));
     l->from->load = t->here.load;
     l->dt = FIRST_STEP;
-    l->allowed = t->options.flow_step;
+    l->allowed = t->problem.options.flow_step;
     return haft_tracker_visit(t, l->from) ? finish(t, l) : HAFT_OUTCOME_NOT_FINITE;
 }
 

@@ -13,11 +13,12 @@
  * the crack length asked for. */
 static bool is_pressed_through(const haft_walker *w) {
     const haft_tracker *t = w->t;
-    if (w->direction < 0 || isfinite(t->programme.load_limit)) {
+    if (w->direction < 0 || isfinite(t->problem.programme.load_limit)) {
         return false;
     }
     for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        if (t->wall[r] - t->here.gap[r] > t->whole->gap + DEEP_RANGES * t->range[r]) {
+        if (t->problem.lengths.wall[r] - t->here.gap[r] >
+            t->problem.whole->gap + DEEP_RANGES * t->problem.lengths.range[r]) {
             return true;
         }
     }
@@ -30,7 +31,7 @@ static haft_outcome follow(haft_walker *w) {
         if (w->failed) {
             return HAFT_OUTCOME_STUCK;
         }
-        if (w->t->cost.steps + w->t->cost.flow_steps > w->t->options.step_limit) {
+        if (w->t->cost.steps + w->t->cost.flow_steps > w->t->problem.options.step_limit) {
             return HAFT_OUTCOME_STEP_LIMIT;
         }
         if (is_pressed_through(w)) {
@@ -52,7 +53,7 @@ static haft_outcome follow(haft_walker *w) {
 static bool touches(const haft_tracker *t) {
     for (size_t r = 0; r < t->model->sites; r++) {
         double d = t->model->gap - haft_model_displacement(&t->model->site[r], t->here.u);
-        if (d <= t->reach[r]) {
+        if (d <= t->problem.reach[r]) {
             return true;
         }
     }
@@ -71,7 +72,7 @@ static haft_outcome walk(haft_walker *w) {
         w->ledger.energy_start = t->here.energy.strain + t->here.energy.contact;
         haft_walker_record(w, -1);
     }
-    w->step_size = t->options.gap_step;
+    w->step_size = t->problem.options.gap_step;
     if (!haft_walker_reached(w, &t->here)) { /* at rest the crack may be short enough */
         outcome = follow(w);
     }

@@ -35,11 +35,11 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
     haft_status status =
         grow(&array, path->points, &capacity, path->points + 1, sizeof *path->point, error);
     path->point = array;
-    if (status == HAFT_OK && t->options.keep_states) {
+    if (status == HAFT_OK && t->problem.options.keep_states) {
         size_t states = path->state == NULL ? 0 : path->point_capacity;
         array = path->state;
         status = grow(&array, path->points, &states, path->points + 1,
-                      t->whole->dofs * sizeof(double), error);
+                      t->problem.whole->dofs * sizeof(double), error);
         path->state = array;
     }
     if (status == HAFT_OK) {
@@ -51,9 +51,9 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
 /* Interpolates `here` to the whole mesh. */
 static void copy_state(const haft_tracker *t, double *u) {
     if (t->at == 0) {
-        memcpy(u, t->here.u, t->whole->dofs * sizeof *u);
+        memcpy(u, t->here.u, t->problem.whole->dofs * sizeof *u);
     } else {
-        haft_model_carry(t->mesh[t->at].model, t->whole, t->here.u, u);
+        haft_model_carry(t->mesh[t->at].model, t->problem.whole, t->here.u, u);
     }
 }
 
@@ -69,9 +69,9 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
     ledger->worst = fmax(ledger->worst, missing);
     ledger->greatest =
         fmax(ledger->greatest, fabs(t->here.energy.strain) + fabs(t->here.energy.contact));
-    t->ledger_left = fmax(0, t->options.ledger_tolerance * ledger->turnover - missing);
+    t->ledger_left = fmax(0, t->problem.options.ledger_tolerance * ledger->turnover - missing);
     path->point[path->points] = (haft_path_point){
-        .load = t->here.load * t->load_unit,
+        .load = t->here.load * t->problem.load_unit,
         .deflection = haft_model_displacement(&t->model->load, t->here.u),
         .crack_length = haft_tracker_crack(t, &t->here),
         .internal_energy = t->here.energy.strain,
@@ -83,8 +83,8 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
         .phase = phase,
         .jump = jump,
     };
-    if (t->options.keep_states) {
-        copy_state(t, path->state + path->points * t->whole->dofs);
+    if (t->problem.options.keep_states) {
+        copy_state(t, path->state + path->points * t->problem.whole->dofs);
     }
     path->points++;
     return HAFT_OK;
@@ -105,7 +105,7 @@ haft_status haft_record_jump(haft_path *path, const haft_jump *jump, haft_error 
 static double end_influence(haft_tracker *t, double crack) {
     const haft_model *m = t->model;
     size_t end = 2 * (m->nodes - 2); /* the last node's deflection */
-    double *w = t->scratch[0];
+    double *w = t->work.scratch[0];
     if (!haft_tracker_evaluate(t, t->here.u, t->here.load, NULL, NULL) ||
         !haft_factor_update(t->factor, t->hessian)) {
         return NAN;
@@ -120,7 +120,7 @@ static double end_influence(haft_tracker *t, double crack) {
 
 haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledger *ledger,
                                haft_error *error) {
-    path->final_state = haft_memory_alloc(t->whole->dofs, sizeof(double), error);
+    path->final_state = haft_memory_alloc(t->problem.whole->dofs, sizeof(double), error);
     if (path->final_state == NULL) {
         return HAFT_ERROR_MEMORY;
     }

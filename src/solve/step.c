@@ -32,7 +32,7 @@
 /* The gap that moves most in the direction of the certified branch becomes the parameter. */
 static haft_parameter choose_control(haft_tracker *t) {
     size_t site = 0;
-    double move = haft_tracker_greatest(t, t->here.gap, t->motion, &site);
+    double move = haft_tracker_largest_step(t, t->here.gap, t->motion, &site);
     if (!(move > 0)) {
         return (haft_parameter){NULL, 0};
     }
@@ -64,8 +64,8 @@ static void depart(haft_walker *w, haft_step *step) {
     derive(w, step);
     double size = 1;
     if (site != NULL) {
-        double length =
-            haft_tracker_step_length(t, step->parameter.index, t->here.gap[step->parameter.index]);
+        double length = haft_step_length(&t->problem.lengths, step->parameter.index,
+                                         t->here.gap[step->parameter.index]);
         size = w->step_size * length / t->model->gap;
     }
     step->dtau = step->sign * size;
@@ -95,16 +95,16 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
     const double *d = t->here.gap;
     size_t chosen = m->sites;
     for (size_t r = m->inert; r < m->sites; r++) {
-        const haft_law *law = &t->laws[r];
+        const haft_law *law = &t->problem.laws[r];
         double a = -t->motion[r] * rate * step->dtau;
-        if (fabs(a) < KINK_SHARE * w->step_size * haft_tracker_length(t, r, d[r]) ||
+        if (fabs(a) < KINK_SHARE * w->step_size * haft_length(&t->problem.lengths, r, d[r]) ||
             law->kind != HAFT_LAW_MORSE) {
             continue;
         }
         double curving = haft_model_displacement(&m->site[r], t->start.u2);
         double b = -0.5 * curving * step->dtau * step->dtau;
         const double kink[2] = {law->d_max, law->wall_distance};
-        double near = fmax(KINK_NEAR * t->range[r], GAP_ROUNDING * m->gap);
+        double near = fmax(KINK_NEAR * t->problem.lengths.range[r], GAP_ROUNDING * m->gap);
         for (int k = 0; k < 2; k++) {
             double share = passing_share(d[r], a, b, kink[k], near);
             if (share < first) {
@@ -133,7 +133,8 @@ static void accept(haft_walker *w, const haft_step *step) {
     double used =
         fmax(fabs(step->defect) / step->allowed, pow(step->moved / HAFT_CORRECTION_LIMIT, 2));
     double factor = 0.85 * pow(fmax(used, 1e-6), -1.0 / 6);
-    w->step_size = fmin(w->t->options.gap_step, w->step_size * fmin(GROWTH, fmax(0.3, factor)));
+    w->step_size =
+        fmin(w->t->problem.options.gap_step, w->step_size * fmin(GROWTH, fmax(0.3, factor)));
     haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
@@ -170,7 +171,7 @@ static double excess_at(haft_walker *w, haft_step *step, double dtau) {
  * reached. Every third secant is a bisection, since the tip leaps from patch to patch. @return
  * false if no such step could be taken. */
 static bool stop_at_target(haft_walker *w, haft_step *step) {
-    double wanted = w->t->programme.crack_length, full = fabs(step->dtau);
+    double wanted = w->t->problem.programme.crack_length, full = fabs(step->dtau);
     double low = 0, above = haft_walker_excess(w, &w->t->here);
     double high = step->dtau, below = haft_walker_excess(w, &w->t->next);
     for (int i = 0; fabs(high - low) > 1e-13 * full && below < -1e-13 * wanted; i++) {
@@ -220,7 +221,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
     haft_step step = {.at_kink = false};
     depart(w, &step);
     stop_at_kink(w, &step);
-    double limit = w->direction > 0 ? t->programme.load_limit / t->load_unit : 0;
+    double limit = w->direction > 0 ? t->problem.programme.load_limit / t->problem.load_unit : 0;
     double defect_before = INFINITY;
     while (w->step_size > LEAST_STEP) {
         haft_step_result result = haft_branch_try(t, &step, w->direction);
@@ -267,7 +268,7 @@ haft_outcome haft_walker_advance(haft_walker *w) {
     }
     if (haft_active_mesh_is_frozen(t)) { /* the whole mesh may succeed */
         haft_walker_unfreeze(w);
-        w->step_size = t->options.gap_step;
+        w->step_size = t->problem.options.gap_step;
         return HAFT_OUTCOME_STUCK;
     }
     return haft_jump_at_multiple_fold(w, &step);

@@ -30,8 +30,8 @@ static haft_energy add(haft_energy a, haft_energy b) {
 static bool evaluate(haft_tracker *t, const double *u, double load, haft_energy *energy,
                      double *force_scale, double *gap) {
     double *stiffness = t->needs_refinement ? t->site_stiffness : NULL;
-    haft_energy e = haft_model_evaluate(t->model, t->rows, u, load * t->load_unit, t->gradient,
-                                        t->hessian, force_scale, gap, stiffness);
+    haft_energy e = haft_model_evaluate(t->model, t->problem.rows, u, load * t->problem.load_unit,
+                                        t->gradient, t->hessian, force_scale, gap, stiffness);
     if (energy != NULL) {
         *energy = add(e, t->frozen.energy);
     }
@@ -51,14 +51,15 @@ bool haft_tracker_visit(haft_tracker *t, haft_state *state) {
 }
 
 bool haft_tracker_gradient(haft_tracker *t, const double *u, double load, double *gradient) {
-    haft_model_gradient(t->model, t->rows, u, load * t->load_unit, gradient);
+    haft_model_gradient(t->model, t->problem.rows, u, load * t->problem.load_unit, gradient);
     double sum = total(gradient, t->n);
     t->not_finite += !isfinite(sum);
     return isfinite(sum);
 }
 
 haft_energy haft_tracker_energy(const haft_tracker *t, const double *u) {
-    haft_energy e = haft_model_evaluate(t->model, t->rows, u, 0, NULL, NULL, NULL, NULL, NULL);
+    haft_energy e =
+        haft_model_evaluate(t->model, t->problem.rows, u, 0, NULL, NULL, NULL, NULL, NULL);
     return add(e, t->frozen.energy);
 }
 
@@ -124,7 +125,50 @@ double haft_parameter_value(const haft_tracker *t, haft_parameter parameter,
 
 double haft_tracker_crack(const haft_tracker *t, haft_state *state) {
     if (isnan(state->crack)) {
-        state->crack = haft_model_crack_length(t->mesh[t->at].model, t->reach, state->u);
+        state->crack = haft_model_crack_length(t->mesh[t->at].model, t->problem.reach, state->u);
     }
     return state->crack;
+}
+
+/* Displacements by `by`, or to the gaps `to`, on the mesh in use. */
+static haft_displacements of(const haft_tracker *t, const double *gap, const double *by,
+                             const double *to) {
+    return (haft_displacements){&t->problem.lengths, t->model->inert, t->model->sites, gap, by, to};
+}
+
+double haft_tracker_largest_step(const haft_tracker *t, const double *gap, const double *motion,
+                                 size_t *site) {
+    haft_displacements d = of(t, gap, motion, NULL);
+    double largest = haft_displacements_largest_step(&d);
+    if (largest > 0) {
+        *site = haft_displacements_find_step(&d, largest);
+    }
+    return largest;
+}
+
+double haft_tracker_scaled_displacement(const haft_tracker *t, const double *gap, const double *v,
+                                        size_t *site) {
+    haft_model_displacements(t->model, v, t->work.site[0]);
+    haft_displacements d = of(t, gap, t->work.site[0], NULL);
+    double largest = haft_displacements_largest(&d);
+    if (site != NULL && largest > 0) {
+        *site = haft_displacements_find(&d, largest);
+    }
+    return largest;
+}
+
+double haft_tracker_scaled_distance(const haft_tracker *t, const double *gap, const double *to) {
+    haft_displacements d = of(t, gap, NULL, to);
+    return haft_displacements_largest(&d);
+}
+
+size_t haft_tracker_moved(const haft_tracker *t, const double *gap, const double *to,
+                          double least) {
+    haft_displacements d = of(t, gap, NULL, to);
+    return haft_displacements_count(&d, least);
+}
+
+size_t haft_tracker_stirred(const haft_tracker *t, double share) {
+    haft_displacements d = of(t, t->here.gap, t->motion, NULL);
+    return haft_displacements_count(&d, share * haft_displacements_largest(&d));
 }

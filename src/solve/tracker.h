@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The workspace of a path, private to the room: states, their derivatives along the branch, and
- * four operations: correct, step, locate a fold, land.
+/* The tracker of a path: the problem, the states on its branch with their derivatives, and scratch
+ * arrays. Private to the room. corrector.h, branch.h, limit_point.h and landing.h operate on it.
  *
  * A branch is followed by a continuation parameter: the displacement of one site, or the load. With
  * u and P as functions of its value tau, a fold (limit point) is dP/dtau = 0, an ordinary point of
@@ -10,6 +10,7 @@
 #define HAFT_SOLVE_TRACKER_H
 
 #include "diagonals.h"
+#include "displacements.h"
 #include "factor.h"
 #include "haft/solve.h"
 
@@ -58,49 +59,59 @@ typedef struct haft_frozen {
     double force[2];
 } haft_frozen;
 
-typedef struct haft_tracker {
+/* What is solved; constant while a path is followed. The lengths are arrays over the sites. */
+typedef struct haft_problem {
     const haft_model *whole; /* the mesh of the path's states; all vectors have room for its */
-    haft_active_mesh *mesh;  /* the whole mesh and its shorter ones, in their order */
-    size_t meshes, at;       /* their number, and the one in use: of it are the members down to n */
+    const haft_law *laws;
+    haft_law_rows *rows; /* the same, laid out for evaluation */
+    haft_path_options options;
+    haft_programme programme;
+    double load_unit; /* energy_unit / gap [N] */
+    haft_site_lengths lengths;
+    double *reach; /* attraction counts as felt within [m] */
+    double *lost;  /* force below 1e-16 of the maximum beyond [m] */
+} haft_problem;
+
+/* Scratch arrays. None keeps its contents from one function of tracker.h, branch.h or landing.h to
+ * the next. */
+typedef struct haft_work {
+    double *matrix;                  /* a matrix of the mesh in use */
+    double *scratch[4];              /* n each */
+    double *stage[3];                /* n each: the flow's stages */
+    double *pair;                    /* 2 n: two right-hand sides solved together */
+    double *site[HAFT_SITE_SCRATCH]; /* haft_law_lanes(sites) each */
+} haft_work;
+
+typedef struct haft_tracker {
+    haft_problem problem;
+    haft_work work;
+    haft_active_mesh *mesh; /* the whole mesh and its shorter ones, in their order */
+    size_t meshes, at;      /* their number, and the one in use: of it are the members down to n */
     const haft_model *model;
     haft_factor *factor;
     haft_corrector *corrector;
     haft_diagonals *mass;
     haft_model front; /* the moving part of the mesh in use, while the rest is frozen */
     haft_frozen frozen;
-    size_t n; /* unknowns that move */
-    const haft_law *laws;
-    haft_law_rows *rows; /* the same, laid out for evaluation */
-    haft_path_options options;
-    haft_programme programme;
-    double load_unit;                    /* energy_unit / gap [N] */
-    double *range, *edge, *wide;         /* of each site: the lengths of its law [m] */
-    double *reach;                       /* attraction counts as felt within [m] */
-    double *far;                         /* force below 1e-3 of the maximum beyond [m] */
-    double *nil;                         /* force below 1e-16 of the maximum beyond [m] */
-    double *wall;                        /* its law is linear below [m] */
-    double *gradient, *hessian, *matrix; /* at the state last evaluated; matrix is scratch */
+    size_t n;                   /* unknowns that move */
+    double *gradient, *hessian; /* at the state last evaluated */
     struct {
         double *gradient, *hessian;
-    } other;                         /* those of another state, swapped in and out */
-    double *gap;                     /* sites: of the last haft_tracker_evaluate() [m] */
-    double *gap_predicted;           /* sites: where the corrector started from [m] */
-    double *solution;                /* n: H^-1 b at the state last certified */
-    double *motion;                  /* sites: the displacements of `solution` */
-    double *mode;                    /* n: eigenvector estimate of the smallest eigenvalue */
-    double *scratch[4];              /* n each */
-    double *stage[3];                /* n each: the flow's stages */
-    double *pair;                    /* 2 n: two right-hand sides solved together */
-    double *gap_before;              /* sites: before a jump [m] */
-    double *site[HAFT_SITE_SCRATCH]; /* haft_law_lanes(sites) each: scratch */
-    double *site_stiffness;          /* sites: at the state last evaluated, where refined by it */
-    haft_state here, next, spare;    /* accepted, tried, and the flow's second */
-    haft_branch start, end;          /* derivatives at `here` leaving it and at `next` arriving */
-    haft_branch rebased;             /* start, kept while another parameter is tried */
-    double *null;                    /* n: null vector at a fold */
-    bool needs_refinement;           /* the factors alone lose too many digits */
-    size_t not_finite;  /* evaluations since the last accepted state that were not finite */
-    double residual;    /* bound of the forces' residual after the last correction */
+    } other;                      /* those of another state, swapped in and out */
+    double *gap;                  /* sites: of the last haft_tracker_evaluate() [m] */
+    double *gap_predicted;        /* sites: where the corrector started from [m] */
+    double *gap_before;           /* sites: before a jump [m] */
+    double *site_stiffness;       /* sites: at the state last evaluated, where refined by it */
+    double *solution;             /* n: H^-1 b at the state last certified */
+    double *motion;               /* sites: the displacements of `solution` */
+    double *mode;                 /* n: eigenvector estimate of the smallest eigenvalue */
+    double *null;                 /* n: null vector at a fold */
+    haft_state here, next, spare; /* accepted, tried, and the flow's second */
+    haft_branch start, end;       /* derivatives at `here` leaving it and at `next` arriving */
+    haft_branch rebased;          /* start, kept while another parameter is tried */
+    bool needs_refinement;        /* the factors alone lose too many digits */
+    size_t not_finite;            /* evaluations since the last accepted state, not finite */
+    double residual;              /* bound of the forces' residual after the last correction */
     double ledger_left; /* allowance of the ledger at `here`, besides that of new work [J] */
     haft_path_cost cost;
 } haft_tracker;
@@ -161,7 +172,7 @@ double haft_parameter_value(const haft_tracker *t, haft_parameter parameter,
 
 /* Whether a step by this parameter passes knots of a table. */
 static inline bool haft_tracker_meets_knots(const haft_tracker *t, haft_parameter parameter) {
-    return parameter.site != NULL && t->laws[parameter.index].kind == HAFT_LAW_TABLE;
+    return parameter.site != NULL && t->problem.laws[parameter.index].kind == HAFT_LAW_TABLE;
 }
 
 /* sum_k shape_k v_k / gap for a site, or for the load point. */
@@ -170,30 +181,16 @@ double haft_tracker_row(const haft_tracker *t, const haft_site *site, const doub
 /* Adds factor * row' of a site to v. */
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v);
 
-/* The length over which a site's force changes at gap d: the law's own, but not so long that a step
- * passes its edge; longer where the gap is out of reach. */
-static inline double haft_tracker_length(const haft_tracker *t, size_t site, double d) {
-    double beyond = d - t->far[site], past = d - t->edge[site];
-    double length = t->range[site] + (past > 0 ? past : 0);
-    return (length < t->wide[site] ? length : t->wide[site]) + (beyond > 0 ? beyond : 0);
-}
-
-/* The length over which a site's slope changes at gap d: the length above, or the depth in the
- * law's wall, where the force is linear. A step may be as long as this. */
-static inline double haft_tracker_step_length(const haft_tracker *t, size_t site, double d) {
-    double behind = t->wall[site] - d, length = haft_tracker_length(t, site, d);
-    return behind > 0 ? t->range[site] + behind : length;
-}
-
 /* The largest of the sites' motions [m], scaled by their step lengths at the gaps given, and its
  * site. */
-double haft_tracker_greatest(const haft_tracker *t, const double *gap, const double *motion,
-                             size_t *site);
+double haft_tracker_largest_step(const haft_tracker *t, const double *gap, const double *motion,
+                                 size_t *site);
 
 /* The largest scaled displacement of a gap for a displacement v of the unknowns, and its site (may
  * be NULL); and the largest from one state's gaps to another's. */
-double haft_tracker_move(const haft_tracker *t, const double *gap, const double *v, size_t *site);
-double haft_tracker_way(const haft_tracker *t, const double *gap, const double *to);
+double haft_tracker_scaled_displacement(const haft_tracker *t, const double *gap, const double *v,
+                                        size_t *site);
+double haft_tracker_scaled_distance(const haft_tracker *t, const double *gap, const double *to);
 
 /* The number of sites up to the last one whose scaled displacement between two states' gaps exceeds
  * `least`. */

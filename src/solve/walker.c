@@ -37,7 +37,8 @@ void haft_walker_record(haft_walker *w, int jump) {
 }
 
 double haft_walker_excess(const haft_walker *w, haft_state *state) {
-    return haft_tracker_crack(w->t, state) - w->t->programme.crack_length * (1 + CRACK_TOLERANCE);
+    return haft_tracker_crack(w->t, state) -
+           w->t->problem.programme.crack_length * (1 + CRACK_TOLERANCE);
 }
 
 bool haft_walker_reached(const haft_walker *w, haft_state *state) {

@@ -27,21 +27,51 @@ static haft_path_options resolve(const haft_path_options *given) {
 /* Lists of all vectors of length n and of all vectors over sites, for allocation and freeing. */
 enum { VECTORS = 21, SITE_VECTORS = 15 + HAFT_SITE_SCRATCH };
 static void list_vectors(haft_tracker *t, double **vector[VECTORS]) {
-    double **all[VECTORS] = {&t->gradient,   &t->other.gradient, &t->solution,   &t->mode,
-                             &t->null,       &t->scratch[0],     &t->scratch[1], &t->scratch[2],
-                             &t->scratch[3], &t->here.u,         &t->next.u,     &t->spare.u,
-                             &t->start.u1,   &t->start.u2,       &t->end.u1,     &t->end.u2,
-                             &t->rebased.u1, &t->rebased.u2,     &t->stage[0],   &t->stage[1],
-                             &t->stage[2]};
+    double **all[VECTORS] = {&t->gradient,
+                             &t->other.gradient,
+                             &t->solution,
+                             &t->mode,
+                             &t->null,
+                             &t->work.scratch[0],
+                             &t->work.scratch[1],
+                             &t->work.scratch[2],
+                             &t->work.scratch[3],
+                             &t->here.u,
+                             &t->next.u,
+                             &t->spare.u,
+                             &t->start.u1,
+                             &t->start.u2,
+                             &t->end.u1,
+                             &t->end.u2,
+                             &t->rebased.u1,
+                             &t->rebased.u2,
+                             &t->work.stage[0],
+                             &t->work.stage[1],
+                             &t->work.stage[2]};
     memcpy(vector, all, sizeof all);
 }
 
 static void list_site_vectors(haft_tracker *t, double **vector[SITE_VECTORS]) {
-    double **all[SITE_VECTORS] = {
-        &t->range,   &t->edge,          &t->wide,       &t->reach,    &t->far,
-        &t->nil,     &t->wall,          &t->gap_before, &t->gap,      &t->site_stiffness,
-        &t->motion,  &t->gap_predicted, &t->here.gap,   &t->next.gap, &t->spare.gap,
-        &t->site[0], &t->site[1],       &t->site[2],    &t->site[3],  &t->site[4]};
+    double **all[SITE_VECTORS] = {&t->problem.lengths.range,
+                                  &t->problem.lengths.edge,
+                                  &t->problem.lengths.wide,
+                                  &t->problem.reach,
+                                  &t->problem.lengths.far,
+                                  &t->problem.lost,
+                                  &t->problem.lengths.wall,
+                                  &t->gap_before,
+                                  &t->gap,
+                                  &t->site_stiffness,
+                                  &t->motion,
+                                  &t->gap_predicted,
+                                  &t->here.gap,
+                                  &t->next.gap,
+                                  &t->spare.gap,
+                                  &t->work.site[0],
+                                  &t->work.site[1],
+                                  &t->work.site[2],
+                                  &t->work.site[3],
+                                  &t->work.site[4]};
     memcpy(vector, all, sizeof all);
 }
 
@@ -70,11 +100,11 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
         !allocate_list(site_vector, SITE_VECTORS, lanes, error)) {
         return HAFT_ERROR_MEMORY;
     }
-    t->pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
+    t->work.pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
     t->hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
     t->other.hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
-    t->matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
-    if (!t->pair || !t->hessian || !t->other.hessian || !t->matrix) {
+    t->work.matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
+    if (!t->work.pair || !t->hessian || !t->other.hessian || !t->work.matrix) {
         return HAFT_ERROR_MEMORY;
     }
     return HAFT_OK;
@@ -88,15 +118,18 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
 
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
     for (size_t r = 0; r < t->model->sites; r++) {
-        haft_law_lengths lengths = haft_law_find_lengths(&t->laws[r]);
-        t->range[r] = lengths.range;
-        t->edge[r] = lengths.edge;
-        t->wide[r] = lengths.wide;
-        t->reach[r] = haft_law_reach(&t->laws[r], t->programme.crack_threshold);
-        t->far[r] = haft_law_extent(&t->laws[r], FAINT_SHARE);
-        t->nil[r] = haft_law_extent(&t->laws[r], LOST_SHARE);
-        t->wall[r] = t->laws[r].wall_distance;
-        if (!(t->range[r] > 0) || !isfinite(t->range[r] + t->far[r] + t->reach[r])) {
+        haft_law_lengths lengths = haft_law_find_lengths(&t->problem.laws[r]);
+        t->problem.lengths.range[r] = lengths.range;
+        t->problem.lengths.edge[r] = lengths.edge;
+        t->problem.lengths.wide[r] = lengths.wide;
+        t->problem.reach[r] =
+            haft_law_reach(&t->problem.laws[r], t->problem.programme.crack_threshold);
+        t->problem.lengths.far[r] = haft_law_extent(&t->problem.laws[r], FAINT_SHARE);
+        t->problem.lost[r] = haft_law_extent(&t->problem.laws[r], LOST_SHARE);
+        t->problem.lengths.wall[r] = t->problem.laws[r].wall_distance;
+        if (!(t->problem.lengths.range[r] > 0) ||
+            !isfinite(t->problem.lengths.range[r] + t->problem.lengths.far[r] +
+                      t->problem.reach[r])) {
             return haft_error_set(error, HAFT_ERROR_ARGUMENT,
                                   "the law of site %zu has no finite range", r);
         }
@@ -115,17 +148,17 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
     if (t == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    t->whole = model;
+    t->problem.whole = model;
     t->model = model;
-    t->laws = laws;
-    t->programme = *programme;
-    t->options = resolve(options);
+    t->problem.laws = laws;
+    t->problem.programme = *programme;
+    t->problem.options = resolve(options);
     t->n = model->dofs;
-    t->load_unit = model->energy_unit / model->gap;
+    t->problem.load_unit = model->energy_unit / model->gap;
     t->needs_refinement = true; /* until it is known */
     haft_status status = allocate(t, error);
     if (status == HAFT_OK) {
-        status = haft_law_rows_create(&t->rows, model->sites, laws, error);
+        status = haft_law_rows_create(&t->problem.rows, model->sites, laws, error);
     }
     if (status == HAFT_OK) {
         status = put_at_rest(t, error);
@@ -148,11 +181,11 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     list_site_vectors(t, site_vector);
     free_list(vector, VECTORS);
     free_list(site_vector, SITE_VECTORS);
-    haft_memory_free(t->pair);
+    haft_memory_free(t->work.pair);
     haft_memory_free(t->hessian);
     haft_memory_free(t->other.hessian);
-    haft_memory_free(t->matrix);
-    haft_law_rows_destroy(&t->rows);
+    haft_memory_free(t->work.matrix);
+    haft_law_rows_destroy(&t->problem.rows);
     haft_memory_free(t);
     *tracker = NULL;
 }
