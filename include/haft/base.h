@@ -58,6 +58,15 @@ extern "C" {
 #define HAFT_INLINE static inline
 #endif
 
+/** Numbers that a loop of vector code takes at once: enough for two vectors of any processor. */
+enum { HAFT_SIMD_WIDTH = 8 };
+
+/** The length of an array of n numbers that loops go through in groups of HAFT_SIMD_WIDTH, from
+ *  any of its elements on. */
+static inline size_t haft_simd_padded(size_t n) {
+    return (n + 2 * HAFT_SIMD_WIDTH - 1) / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
+}
+
 /** What a fallible function returns; HAFT_OK is 0 and everything else is a failure. */
 typedef enum haft_status {
     HAFT_OK = 0,

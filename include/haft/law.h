@@ -137,13 +137,6 @@ haft_law_value haft_law_evaluate(const haft_law *law, double d);
 /** Laws laid out for evaluation many at a time. Tables are borrowed. */
 typedef struct haft_law_rows haft_law_rows;
 
-/** How many laws are evaluated together. Arrays that go with n laws have room for
- *  haft_law_lanes(n), for work is done in whole lanes, from wherever a stretch begins. */
-enum { HAFT_LAW_LANES = 8 };
-static inline size_t haft_law_lanes(size_t n) {
-    return (n + 2 * HAFT_LAW_LANES - 1) / HAFT_LAW_LANES * HAFT_LAW_LANES;
-}
-
 /** Lays laws out. A law's tables must outlive the rows.
  *  @param[out] out the rows, to be destroyed
  *  @param[in] n how many laws
@@ -155,7 +148,7 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
 /** Frees rows and sets the pointer to NULL; NULL is allowed. */
 void haft_law_rows_destroy(haft_law_rows **rows);
 
-/** Where values of many laws go, each array of haft_law_lanes(n): see haft_law_value. Asked for
+/** Where values of many laws go, each array of haft_simd_padded(n): see haft_law_value. Asked for
  *  are all four, or all but the curvature, which is NULL then, or the force alone, the others NULL.
  */
 typedef struct haft_law_values {
@@ -170,7 +163,7 @@ typedef struct haft_law_values {
  *  @param[in] rows the laws
  *  @param[in] first the first of them asked for
  *  @param[in] n how many, first + n at most as many as there are
- *  @param[in] d haft_law_lanes(n) gaps [m]; those from n on may be read and must be finite
+ *  @param[in] d haft_simd_padded(n) gaps [m]; those from n on may be read and must be finite
  *  @param[out] out those from n on are of no law
  *  @return how many, from the first on, are known to be nil, as a free span's are: set to 0. All n,
  *  or whole lanes.

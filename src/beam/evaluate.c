@@ -34,32 +34,27 @@ static size_t evaluate_stretch(const haft_model *model, const haft_stretch *s,
     return haft_law_rows_evaluate(laws, s->first, haft_stretch_sites(model, s), out->d, &values);
 }
 
-/* Energy [J] of four sites from i on, and what rounding makes of it; forces and stiffnesses in
- * units of energy take their places. */
-HAFT_INLINE void weigh_four(const double *area, size_t i, double by_unit, stretch_state *s,
-                            quad *energy, quad *push) {
-    const quad here = *(const quad *)(area + i), force = *(const quad *)(s->force + i);
-    const quad weight = here * by_unit;
-    *energy += here * *(const quad *)(s->potential + i);
-    *push += here * (quad)((quad_bits)force & INT64_MAX);
-    *(quad *)(s->force + i) = force * weight;
-    *(quad *)(s->slope + i) *= -weight;
-}
-
-/* The same of a stretch in whole lanes, each the sum of eight sums side by side. By hand: left to
- * itself a compiler shuffles the lanes of this loop. */
+/* Multiplies forces [Pa] by areas, in units of energy, and slopes likewise with their sign turned,
+ * which makes them stiffnesses. @return the energy [J] of the sites nil .. n - 1, n rounded up to
+ * the SIMD width; adds the sum of |force| [N] to *pushed */
 HAFT_CLONES static double weigh_stretch(const double *area, size_t nil, size_t n, double unit,
                                         stretch_state *s, double *pushed) {
-    _Static_assert(HAFT_LAW_LANES == 8, "lanes are two quads");
-    quad energy[2] = {{0}, {0}}, push[2] = {{0}, {0}};
-    double by_unit = 1 / unit, sum = 0;
-    for (size_t i = nil; i < n; i += HAFT_LAW_LANES) {
-        weigh_four(area, i, by_unit, s, &energy[0], &push[0]);
-        weigh_four(area, i + 4, by_unit, s, &energy[1], &push[1]);
+    double energy[HAFT_SIMD_WIDTH] = {0}, push[HAFT_SIMD_WIDTH] = {0}, by_unit = 1 / unit, sum = 0;
+    for (size_t i = nil; i < n; i += HAFT_SIMD_WIDTH) {
+        const double *here = area + i, *potential = s->potential + i;
+        double *force = s->force + i, *slope = s->slope + i;
+#pragma omp simd
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
+            double weight = here[k] * by_unit;
+            energy[k] += here[k] * potential[k];
+            push[k] += here[k] * fabs(force[k]);
+            force[k] *= weight;
+            slope[k] *= -weight;
+        }
     }
-    for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
-        sum += energy[k / 4][k % 4];
-        *pushed += push[k / 4][k % 4];
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
+        sum += energy[k];
+        *pushed += push[k];
     }
     return sum;
 }
@@ -67,13 +62,13 @@ HAFT_CLONES static double weigh_stretch(const double *area, size_t nil, size_t n
 /* The largest term that n sites, in whole lanes, give the gradient. */
 HAFT_CLONES static double largest_term(const double *top, size_t nil, size_t n,
                                        const double *force) {
-    double part[HAFT_LAW_LANES] = {0}, largest = 0;
-    for (size_t i = nil; i < n; i += HAFT_LAW_LANES) {
-        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+    double part[HAFT_SIMD_WIDTH] = {0}, largest = 0;
+    for (size_t i = nil; i < n; i += HAFT_SIMD_WIDTH) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             part[k] = larger(fabs(force[i + k]) * top[i + k], part[k]);
         }
     }
-    for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         largest = larger(largest, part[k]);
     }
     return largest;
@@ -138,8 +133,8 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
 HAFT_CLONES static void weigh_forces(const double *area, size_t nil, size_t n, double unit,
                                      double *force) {
     double by_unit = 1 / unit;
-    for (size_t i = nil; i < n; i += HAFT_LAW_LANES) {
-        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+    for (size_t i = nil; i < n; i += HAFT_SIMD_WIDTH) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             force[i + k] *= area[i + k] * by_unit;
         }
     }

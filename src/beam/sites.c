@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = HAFT_LAW_LANES, ENTRIES = HAFT_SPAN * HAFT_SPAN };
+enum { ENTRIES = HAFT_SPAN * HAFT_SPAN };
 
 /* How many sites' entries the nearest cache has room for, beside all else. */
 enum { NEAR_SITES = 32 };
@@ -115,7 +115,7 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
         return HAFT_ERROR_MEMORY;
     }
     size_t sites = model->sites;
-    layout->stride = haft_law_lanes(sites);
+    layout->stride = haft_simd_padded(sites);
     layout->stretch = haft_memory_alloc(sites / HAFT_STRETCH + 1, sizeof *layout->stretch, error);
     layout->run = haft_memory_alloc(sites, sizeof *layout->run, error);
     layout->shape = haft_memory_alloc(HAFT_SPAN * layout->stride, sizeof(double), error);
@@ -173,9 +173,9 @@ static inline void read_unknowns(const haft_model *model, const haft_run *run, c
 HAFT_INLINE void displace_shared(const haft_layout *layout, const haft_run *run,
                                  const double v[HAFT_SPAN], const double *gap,
                                  double *restrict out) {
-    for (size_t i = 0; i < run->sites; i += LANES) {
+    for (size_t i = 0; i < run->sites; i += HAFT_SIMD_WIDTH) {
         const double *shape = layout->shape + run->alike + i;
-        for (size_t k = 0; k < LANES; k++) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             double w = ((v[0] * shape[k] + v[1] * shape[layout->stride + k]) +
                         v[2] * shape[2 * layout->stride + k]) +
                        v[3] * shape[3 * layout->stride + k];
@@ -206,7 +206,7 @@ HAFT_INLINE void displace(const haft_model *model, const haft_stretch *s, const 
             }
         }
     }
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         out[sites + k] = gap != NULL ? OUT_OF_REACH : 0;
     }
 }
@@ -298,36 +298,36 @@ static void scatter_part(const haft_model *model, const haft_run *run, const dou
     }
 }
 
-/* Forces that a run of sites gives its four unknowns, which are written by halves: neighbouring
- * elements share two, and a processor reads back at once what it has just written only if that was
- * written in one piece. */
+/* Adds the forces of a run of sites on its four unknowns. */
 HAFT_INLINE void scatter_forces(const double *term, size_t sites, const double *force, double *to) {
-    quad sum = {0};
+    double sum[HAFT_SPAN] = {0};
     for (size_t i = 0; i < sites; i++, term += HAFT_SPAN) {
-        sum += force[i] * *(const quad *)term;
+#pragma omp simd
+        for (size_t k = 0; k < HAFT_SPAN; k++) {
+            sum[k] += force[i] * term[k];
+        }
     }
-    *(pair *)to += __builtin_shufflevector(sum, sum, 0, 1);
-    *(pair *)(to + 2) += __builtin_shufflevector(sum, sum, 2, 3);
+    for (size_t k = 0; k < HAFT_SPAN; k++) {
+        to[k] += sum[k];
+    }
 }
 
-/* The same of two columns of stiffness, each to its own place from its first row on. */
-HAFT_INLINE void add_columns(double *hessian, const int *slot, const octet *columns) {
-    double *first = hessian + slot[0], *second = hessian + slot[1];
-    *(pair *)first += __builtin_shufflevector(*columns, *columns, 0, 1);
-    *(pair *)(first + 2) += __builtin_shufflevector(*columns, *columns, 2, 3);
-    *(pair *)second += __builtin_shufflevector(*columns, *columns, 4, 5);
-    *(pair *)(second + 2) += __builtin_shufflevector(*columns, *columns, 6, 7);
-}
-
+/* Adds the stiffness of a run of sites, column by column, each from its first row on. */
 HAFT_INLINE void scatter_stiffness(const double *share, size_t sites, const double *stiffness,
                                    const int *slot, double *hessian) {
-    octet near = {0}, far = {0};
+    double sum[ENTRIES] = {0};
     for (size_t i = 0; i < sites; i++, share += ENTRIES) {
-        near += stiffness[i] * *(const octet *)share;
-        far += stiffness[i] * *(const octet *)(share + ENTRIES / 2);
+#pragma omp simd
+        for (size_t k = 0; k < ENTRIES; k++) {
+            sum[k] += stiffness[i] * share[k];
+        }
     }
-    add_columns(hessian, slot, &near);
-    add_columns(hessian, slot + 2, &far);
+    for (size_t j = 0; j < HAFT_SPAN; j++) {
+        double *column = hessian + slot[j];
+        for (size_t i = 0; i < HAFT_SPAN; i++) {
+            column[i] += sum[j * HAFT_SPAN + i];
+        }
+    }
 }
 
 HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s, size_t nil,

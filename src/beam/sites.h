@@ -5,22 +5,13 @@
 
 #include "haft/beam.h"
 
-/* Two neighbouring unknowns, as a node's deflection and rotation are, and their bits. */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
-typedef int64_t pair_bits __attribute__((vector_size(16), aligned(8)));
-
-/* Four neighbouring numbers, such as a column of shares, and their bits; two columns. */
-typedef double quad __attribute__((vector_size(32), aligned(8), may_alias));
-typedef double octet __attribute__((vector_size(64), aligned(8), may_alias));
-typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8)));
-
 static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
 /* Sites that are evaluated together, all but the longest beams' at once, and the room that arrays
  * of them need: work is done in whole lanes, which may run over a stretch's end. */
-enum { HAFT_STRETCH = 256, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_LAW_LANES };
+enum { HAFT_STRETCH = 256, HAFT_STRETCH_ROOM = HAFT_STRETCH + HAFT_SIMD_WIDTH };
 
 /* A stretch of sites, and which runs lie in it; of a model's front, whose sites may end within the
  * last, those up to there. */

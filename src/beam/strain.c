@@ -1,133 +1,110 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Strain energy and its forces, element by element through the deformation modes, deflections
- * subtracted first. Neighbours that are alike, as all of a mesh are but a few, are gone through
- * from node to node, a node's two unknowns in the lanes of a vector. */
+/* Strain energy and its forces, element by element through the deformation modes; deflections are
+ * subtracted first, which loses no digits. Runs of equal elements, as nearly all of a mesh are, are
+ * summed from node to node. */
 #include "sites.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Sums over elements: energy [units of energy], by its two modes; how much it moves as each unknown
- * is rounded, in units of 2^-53, and the greatest force, by a node's two unknowns. */
+/* Sums over elements: energy [units of energy] by its two modes; the change of the energy as each
+ * unknown is rounded, in units of 2^-53; and the largest force. The last two are kept apart for
+ * deflections and rotations, so that no sum waits for the other. */
 typedef struct sums {
-    pair energy, moved, largest;
+    double energy[2], moved[2], largest[2];
 } sums;
 
-/* An element's unknowns, or the forces on them, by nodes. */
+/* An element's two nodes' unknowns, or the forces on them: deflection, rotation. */
 typedef struct element_values {
-    pair near, far;
+    double near[2], far[2];
 } element_values;
 
-HAFT_INLINE double mode_amplitude(const double mode[HAFT_SPAN], element_values v) {
-    pair part = *(const pair *)mode * v.near + *(const pair *)(mode + 2) * v.far;
-    return part[0] + part[1];
+HAFT_INLINE double mode_amplitude(const double mode[HAFT_SPAN], const element_values *v) {
+    return (mode[0] * v->near[0] + mode[2] * v->far[0]) +
+           (mode[1] * v->near[1] + mode[3] * v->far[1]);
 }
 
-/* Whether a node's two unknowns are there, the rotation behind the deflection. */
+/* Whether both of a node's unknowns exist, the rotation following the deflection. */
 HAFT_INLINE bool is_node(const int *dof) {
     return dof[0] >= 0 && dof[1] == dof[0] + 1;
 }
 
-HAFT_INLINE pair node_values(const int *dof, const double *u) {
-    return is_node(dof) ? *(const pair *)(u + dof[0])
-                        : (pair){dof[0] < 0 ? 0 : u[dof[0]], dof[1] < 0 ? 0 : u[dof[1]]};
-}
-
-HAFT_INLINE void add_to_node(const int *dof, pair force, double *y) {
-    if (is_node(dof)) {
-        *(pair *)(y + dof[0]) += force;
-        return;
-    }
+HAFT_INLINE void add_to_node(const int *dof, const double force[2], const double value[2],
+                             double *y, sums *s) {
     for (int k = 0; k < 2; k++) {
+        s->moved[k] += fabs(force[k] * value[k]);
         if (dof[k] >= 0) {
             y[dof[k]] += force[k];
+            s->largest[k] = larger(s->largest[k], fabs(force[k]));
         }
-    }
-}
-
-HAFT_INLINE pair size_of(pair v) {
-    return (pair)((pair_bits)v & INT64_MAX);
-}
-
-HAFT_INLINE pair larger_of(pair a, pair b) {
-    const pair_bits a_is = a > b;
-    return (pair)(((pair_bits)a & a_is) | ((pair_bits)b & ~a_is));
-}
-
-HAFT_INLINE void weigh_node(const int *dof, pair force, pair value, sums *s) {
-    s->moved += size_of(force * value);
-    for (int k = 0; k < 2; k++) {
-        s->largest[k] = dof[k] < 0 ? s->largest[k] : larger(s->largest[k], fabs(force[k]));
     }
 }
 
 static void add_element(const haft_element *element, const double *u, double *gradient, sums *s) {
     const double *d = element->stiffness, *mode = element->mode[0], *other = element->mode[1];
-    element_values v = {node_values(element->dof, u), node_values(element->dof + 2, u)};
-    double q0 = mode_amplitude(mode, v), q1 = mode_amplitude(other, v);
+    element_values v, f;
+    for (int k = 0; k < 2; k++) {
+        v.near[k] = element->dof[k] < 0 ? 0 : u[element->dof[k]];
+        v.far[k] = element->dof[2 + k] < 0 ? 0 : u[element->dof[2 + k]];
+    }
+    double q0 = mode_amplitude(mode, &v), q1 = mode_amplitude(other, &v);
     double m0 = d[0] * q0 + d[1] * q1, m1 = d[1] * q0 + d[2] * q1;
     s->energy[0] += q0 * m0 + q1 * m1;
     if (gradient != NULL) {
-        pair near = *(const pair *)mode * m0 + *(const pair *)other * m1;
-        pair far = *(const pair *)(mode + 2) * m0 + *(const pair *)(other + 2) * m1;
-        add_to_node(element->dof, near, gradient);
-        add_to_node(element->dof + 2, far, gradient);
-        weigh_node(element->dof, near, v.near, s);
-        weigh_node(element->dof + 2, far, v.far, s);
+        for (int k = 0; k < 2; k++) {
+            f.near[k] = mode[k] * m0 + other[k] * m1;
+            f.far[k] = mode[2 + k] * m0 + other[2 + k] * m1;
+        }
+        add_to_node(element->dof, f.near, v.near, gradient, s);
+        add_to_node(element->dof + 2, f.far, v.far, gradient, s);
     }
 }
 
-/* A run's numbers as its nodes' lanes take them, from a beam's modes (1, turn, -1, 0) and (1, 0,
- * -1, far_turn): q = fall + turns * rotations, m = own * q + mixed * (q turned over), and forces
- * near * (m0 + m1, m0) and far * (m0 + m1, m1) on the nodes. */
-typedef struct run_numbers {
-    pair turns, own, mixed, near, far;
-} run_numbers;
-
-HAFT_INLINE run_numbers number_run(const haft_element *element) {
-    const double *d = element->stiffness;
-    double turn = element->mode[0][1], far_turn = element->mode[1][3];
-    return (run_numbers){{turn, far_turn}, {d[0], d[2]}, {d[1], d[1]}, {1, turn}, {-1, far_turn}};
-}
-
-/* What is asked for beside energy and forces. */
+/* What is asked for besides energy and forces. */
 typedef enum asked { NO_MORE, MOVED, LARGEST_TOO } asked;
 
-/* Elements alike side by side, the first of which may begin at a clamp. */
+/* Equal elements in a row, of a beam's modes (1, turn, -1, 0) and (1, 0, -1, far_turn); the first
+ * may begin at a clamp. A node's forces from both its elements are added in one piece. */
 HAFT_INLINE void add_run(const haft_element *element, size_t elements, const double *u,
                          double *gradient, asked more, sums *s) {
-    const run_numbers number = number_run(element);
-    bool clamped = element->dof[0] < 0;
-    pair here = clamped ? (pair){0, 0} : *(const pair *)(u + element->dof[0]), before = {0, 0};
+    const double d0 = element->stiffness[0], d1 = element->stiffness[1], d2 = element->stiffness[2];
+    const double turn = element->mode[0][1], far_turn = element->mode[1][3];
+    const bool clamped = element->dof[0] < 0;
     const double *next = u + element->dof[2];
     double *g = gradient != NULL ? gradient + element->dof[2] : NULL;
+    double w = clamped ? 0 : u[element->dof[0]], phi = clamped ? 0 : u[element->dof[0] + 1];
+    double force = 0, moment = 0; /* of the element before, on this one's first node */
     for (size_t e = 0; e < elements; e++) {
-        const pair there = *(const pair *)(next + 2 * e), way = here - there;
-        const pair rotations = __builtin_shufflevector(here, there, 1, 3);
-        const pair q = __builtin_shufflevector(way, way, 0, 0) + number.turns * rotations;
-        const pair m = number.own * q + number.mixed * __builtin_shufflevector(q, q, 1, 0);
-        s->energy += q * m;
+        const double w_far = next[2 * e], phi_far = next[2 * e + 1], fall = w - w_far;
+        const double q0 = fall + turn * phi, q1 = fall + far_turn * phi_far;
+        const double m0 = d0 * q0 + d1 * q1, m1 = d2 * q1 + d1 * q0;
+        s->energy[0] += q0 * m0;
+        s->energy[1] += q1 * m1;
         if (gradient != NULL) {
-            const pair sum = m + __builtin_shufflevector(m, m, 1, 0);
-            const pair near = number.near * __builtin_shufflevector(sum, m, 0, 2);
-            const pair far = number.far * __builtin_shufflevector(sum, m, 0, 3);
-            bool held = clamped && e == 0;
-            if (!held) {
-                *(pair *)(g + 2 * e - 2) += before + near;
+            const double shear = m0 + m1, near = turn * m0, far = far_turn * m1;
+            const bool fixed = clamped && e == 0;
+            if (!fixed) {
+                g[2 * e - 2] += force + shear;
+                g[2 * e - 1] += moment + near;
             }
             if (more >= MOVED) {
-                s->moved += size_of(near * here) + size_of(far * there);
+                s->moved[0] += fabs(shear * w) + fabs(shear * w_far);
+                s->moved[1] += fabs(near * phi) + fabs(far * phi_far);
             }
             if (more >= LARGEST_TOO) {
-                s->largest = larger_of(s->largest, size_of(far));
-                s->largest = held ? s->largest : larger_of(s->largest, size_of(near));
+                s->largest[0] = larger(s->largest[0], fabs(shear));
+                s->largest[1] = larger(s->largest[1], fabs(far));
+                s->largest[1] = fixed ? s->largest[1] : larger(s->largest[1], fabs(near));
             }
-            before = far;
+            force = -shear;
+            moment = far;
         }
-        here = there;
+        w = w_far;
+        phi = phi_far;
     }
     if (gradient != NULL) {
-        *(pair *)(g + 2 * elements - 2) += before;
+        g[2 * elements - 2] += force;
+        g[2 * elements - 1] += moment;
     }
 }
 

@@ -7,15 +7,15 @@
 
 #include "chaos/model.h"
 
-enum { LANES = CHAOS_TOGETHER, ROWS = HAFT_CHAOS_ORDER_LIMIT + 1 };
+enum { ROWS = HAFT_CHAOS_ORDER_LIMIT + 1 };
 
-typedef double lanes[LANES];
-typedef lanes table[ROWS]; /* polynomials of one variable */
+typedef double together[HAFT_SIMD_WIDTH];
+typedef together table[ROWS]; /* polynomials of one variable */
 
-HAFT_INLINE const double *sum_1(const double *c, const table *psi, size_t order, lanes out) {
-    lanes sum = {0};
+HAFT_INLINE const double *sum_1(const double *c, const table *psi, size_t order, together out) {
+    together sum = {0};
     for (size_t a = 0; a <= order; a++) {
-        for (size_t l = 0; l < LANES; l++) {
+        for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
             sum[l] += c[a] * psi[0][a][l];
         }
     }
@@ -25,11 +25,12 @@ HAFT_INLINE const double *sum_1(const double *c, const table *psi, size_t order,
 
 /* One more variable in front of those of `inner`. */
 #define NEST(name, inner)                                                                          \
-    HAFT_INLINE const double *name(const double *c, const table *psi, size_t order, lanes out) {   \
-        lanes sum = {0}, part;                                                                     \
+    HAFT_INLINE const double *name(const double *c, const table *psi, size_t order,                \
+                                   together out) {                                                 \
+        together sum = {0}, part;                                                                  \
         for (size_t a = 0; a <= order; a++) {                                                      \
             c = inner(c, psi + 1, order - a, part);                                                \
-            for (size_t l = 0; l < LANES; l++) {                                                   \
+            for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {                                         \
                 sum[l] += part[l] * psi[0][a][l];                                                  \
             }                                                                                      \
         }                                                                                          \
@@ -41,20 +42,20 @@ NEST(sum_2, sum_1)
 NEST(sum_3, sum_2)
 NEST(sum_4, sum_3)
 
-HAFT_INLINE void fill(const chaos_recurrence *r, size_t order, const lanes x, table psi) {
-    for (size_t l = 0; l < LANES; l++) {
+HAFT_INLINE void fill(const chaos_recurrence *r, size_t order, const together x, table psi) {
+    for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
         psi[0][l] = 1;
     }
     for (size_t k = 0; k < order; k++) {
         double before = r->b[k], after = r->b[k + 1];
-        for (size_t l = 0; l < LANES; l++) {
+        for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
             double low = k > 0 ? psi[k - 1][l] : 0;
             psi[k + 1][l] = ((x[l] - r->a) * psi[k][l] - before * low) / after;
         }
     }
 }
 
-HAFT_INLINE void expand(const haft_chaos *chaos, const lanes *x, lanes *out) {
+HAFT_CLONES static void expand_germs(const haft_chaos *chaos, const together *x, together *out) {
     table psi[HAFT_CHAOS_DIMENSION];
     size_t order = chaos->parts.order;
     for (size_t i = 0; i < chaos->parts.components; i++) {
@@ -76,34 +77,20 @@ HAFT_INLINE void expand(const haft_chaos *chaos, const lanes *x, lanes *out) {
     }
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define CHAOS_WIDE
-__attribute__((target("avx2"))) static void expand_wide(const haft_chaos *chaos, const lanes *x,
-                                                        lanes *out) {
-    expand(chaos, x, out);
-}
-#endif
-
-void haft_chaos_expand_lanes(const haft_chaos *chaos,
-                             double x[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER],
-                             double out[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER]) {
-#ifdef CHAOS_WIDE
-    if (__builtin_cpu_supports("avx2")) {
-        expand_wide(chaos, (const lanes *)x, out);
-        return;
-    }
-#endif
-    expand(chaos, (const lanes *)x, out);
+void haft_chaos_expand_together(const haft_chaos *chaos,
+                                double x[HAFT_CHAOS_DIMENSION][HAFT_SIMD_WIDTH],
+                                double out[HAFT_CHAOS_DIMENSION][HAFT_SIMD_WIDTH]) {
+    expand_germs(chaos, (const together *)x, out);
 }
 
 void haft_chaos_expand(const haft_chaos *chaos, const double *x, double *eta) {
-    lanes germ[HAFT_CHAOS_DIMENSION] = {{0}}, out[HAFT_CHAOS_DIMENSION];
+    together germ[HAFT_CHAOS_DIMENSION] = {{0}}, out[HAFT_CHAOS_DIMENSION];
     for (size_t i = 0; i < chaos->parts.components; i++) {
-        for (size_t l = 0; l < LANES; l++) {
+        for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
             germ[i][l] = x[i];
         }
     }
-    haft_chaos_expand_lanes(chaos, germ, out);
+    haft_chaos_expand_together(chaos, germ, out);
     for (size_t i = 0; i < chaos->parts.components; i++) {
         eta[chaos->parts.component_order[i]] = out[i][0];
     }

@@ -57,9 +57,9 @@ static void set_relmise(const haft_chaos *chaos, const squares *s, double *each,
 static void sum_level(const haft_chaos *chaos, const double *x, const double *weight,
                       const double *value, size_t i, squares *s) {
     size_t points = chaos->parts.points, size = haft_chaos_grid_size(points, i);
-    double germ[N][CHAOS_TOGETHER] = {{0}}, out[N][CHAOS_TOGETHER], w[CHAOS_TOGETHER];
-    for (size_t start = 0; start < size; start += CHAOS_TOGETHER) {
-        size_t count = size - start < CHAOS_TOGETHER ? size - start : CHAOS_TOGETHER;
+    double germ[N][HAFT_SIMD_WIDTH] = {{0}}, out[N][HAFT_SIMD_WIDTH], w[HAFT_SIMD_WIDTH];
+    for (size_t start = 0; start < size; start += HAFT_SIMD_WIDTH) {
+        size_t count = size - start < HAFT_SIMD_WIDTH ? size - start : HAFT_SIMD_WIDTH;
         for (size_t l = 0; l < count; l++) {
             size_t rest = start + l;
             w[l] = 1;
@@ -68,7 +68,7 @@ static void sum_level(const haft_chaos *chaos, const double *x, const double *we
                 w[l] *= weight[rest % points];
             }
         }
-        haft_chaos_expand_lanes(chaos, germ, out);
+        haft_chaos_expand_together(chaos, germ, out);
         for (size_t l = 0; l < count; l++) {
             double t = value[start + l], d = t - out[i][l];
             s->error[i] += w[l] * d * d;

@@ -55,10 +55,9 @@ haft_status haft_chaos_map_grid(const haft_chaos *chaos, size_t points,
                                 double *const value[HAFT_CHAOS_DIMENSION],
                                 haft_error *error) HAFT_MUST_CHECK;
 
-/* The expansion at CHAOS_TOGETHER germs x[i][lane], as coordinates of the map. */
-enum { CHAOS_TOGETHER = 8 };
-void haft_chaos_expand_lanes(const haft_chaos *chaos,
-                             double x[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER],
-                             double out[HAFT_CHAOS_DIMENSION][CHAOS_TOGETHER]);
+/* The expansion at HAFT_SIMD_WIDTH germs x[i][lane], as coordinates of the map. */
+void haft_chaos_expand_together(const haft_chaos *chaos,
+                                double x[HAFT_CHAOS_DIMENSION][HAFT_SIMD_WIDTH],
+                                double out[HAFT_CHAOS_DIMENSION][HAFT_SIMD_WIDTH]);
 
 #endif

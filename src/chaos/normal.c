@@ -83,15 +83,15 @@ HAFT_INLINE double distribution(double t, double a, double *density) {
     return (0.5 + copysign(0.5, t)) - copysign(q, t); /* q or 1 - q, without a branch */
 }
 
-HAFT_INLINE double fold(const double lane[CHAOS_LANES]) {
+HAFT_INLINE double fold(const double lane[HAFT_SIMD_WIDTH]) {
     return ((lane[0] + lane[4]) + (lane[2] + lane[6])) +
            ((lane[1] + lane[5]) + (lane[3] + lane[7]));
 }
 
-HAFT_INLINE chaos_sums add_up(size_t n, const double *restrict c, const double *restrict w,
-                              double x, double scale) {
+HAFT_CLONES static chaos_sums sum_normals(size_t n, const double *restrict c,
+                                          const double *restrict w, double x, double scale) {
     double t[BLOCK], a[BLOCK], p[BLOCK], e[BLOCK];
-    double cdf[CHAOS_LANES] = {0}, pdf[CHAOS_LANES] = {0}, moment[CHAOS_LANES] = {0};
+    double cdf[HAFT_SIMD_WIDTH] = {0}, pdf[HAFT_SIMD_WIDTH] = {0}, moment[HAFT_SIMD_WIDTH] = {0};
     for (size_t start = 0; start < n; start += BLOCK) {
         size_t count = n - start < BLOCK ? n - start : BLOCK;
         const double *restrict centre = c + start, *restrict weight = w + start;
@@ -102,8 +102,8 @@ HAFT_INLINE chaos_sums add_up(size_t n, const double *restrict c, const double *
         for (size_t k = 0; k < count; k++) { /* apart, or GCC makes the clamp a branch */
             p[k] = distribution(t[k], a[k], &e[k]);
         }
-        for (size_t k = 0; k < count; k += CHAOS_LANES) {
-            for (size_t j = 0; j < CHAOS_LANES; j++) {
+        for (size_t k = 0; k < count; k += HAFT_SIMD_WIDTH) {
+            for (size_t j = 0; j < HAFT_SIMD_WIDTH; j++) {
                 double density = weight[k + j] * e[k + j];
                 cdf[j] += weight[k + j] * p[k + j];
                 pdf[j] += density;
@@ -114,43 +114,19 @@ HAFT_INLINE chaos_sums add_up(size_t n, const double *restrict c, const double *
     return (chaos_sums){fold(cdf), fold(pdf) * INVERSE_ROOT_2PI, fold(moment) * INVERSE_ROOT_2PI};
 }
 
-HAFT_INLINE void exponentials(size_t n, const double *x, double *y) {
+HAFT_CLONES static void fill_exponentials(size_t n, const double *x, double *y) {
     for (size_t k = 0; k < n; k++) {
         y[k] = exponential(x[k]);
     }
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define CHAOS_WIDE
-__attribute__((target("avx2"))) static chaos_sums
-add_up_wide(size_t n, const double *c, const double *w, double x, double scale) {
-    return add_up(n, c, w, x, scale);
-}
-
-__attribute__((target("avx2"))) static void exponentials_wide(size_t n, const double *x,
-                                                              double *y) {
-    exponentials(n, x, y);
-}
-#endif
-
 chaos_sums haft_chaos_normal_sums(size_t n, const double *c, const double *w, double x,
                                   double scale) {
-#ifdef CHAOS_WIDE
-    if (__builtin_cpu_supports("avx2")) {
-        return add_up_wide(n, c, w, x, scale);
-    }
-#endif
-    return add_up(n, c, w, x, scale);
+    return sum_normals(n, c, w, x, scale);
 }
 
 void haft_chaos_exponentials(size_t n, const double *x, double *y) {
-#ifdef CHAOS_WIDE
-    if (__builtin_cpu_supports("avx2")) {
-        exponentials_wide(n, x, y);
-        return;
-    }
-#endif
-    exponentials(n, x, y);
+    fill_exponentials(n, x, y);
 }
 
 double haft_chaos_normal_cdf(double t) {

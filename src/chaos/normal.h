@@ -3,13 +3,11 @@
 #ifndef HAFT_CHAOS_NORMAL_H
 #define HAFT_CHAOS_NORMAL_H
 
-#include <stddef.h>
-
-enum { CHAOS_LANES = 8 };
+#include "haft/base.h"
 
 /* n rounded up to whole groups of lanes. */
 static inline size_t chaos_padded(size_t n) {
-    return (n + CHAOS_LANES - 1) / CHAOS_LANES * CHAOS_LANES;
+    return (n + HAFT_SIMD_WIDTH - 1) / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
 }
 
 typedef struct chaos_sums {
@@ -18,12 +16,14 @@ typedef struct chaos_sums {
     double moment; /* sum of w t phi(t) */
 } chaos_sums;
 
-/* The sums at t = (x - c) * scale. n is a multiple of CHAOS_LANES: pad with w = 0 and any finite c.
- * Each Phi(t) to about 1e-15 (1 + t^2) of itself; below -37.5 it stays what it is there, 5e-308. */
+/* The sums at t = (x - c) * scale. n is a multiple of HAFT_SIMD_WIDTH: pad with w = 0 and any
+ * finite c. Each Phi(t) to about 1e-15 (1 + t^2) of itself; below -37.5 it stays what it is there,
+ * 5e-308. */
 chaos_sums haft_chaos_normal_sums(size_t n, const double *c, const double *w, double x,
                                   double scale);
 
-/* y = exp(x) to 3e-16 for -700 <= x <= 700; n a multiple of CHAOS_LANES. In place is allowed. */
+/* y = exp(x) to 3e-16 for -700 <= x <= 700; n a multiple of HAFT_SIMD_WIDTH. In place is allowed.
+ */
 void haft_chaos_exponentials(size_t n, const double *x, double *y);
 
 /* Phi(t), as above. */

@@ -29,9 +29,9 @@ static haft_law_vector vector_from_eta(const haft_chaos *chaos, const double *et
 static void sample_gpce(const haft_chaos *chaos, const stream *s, uint64_t first, size_t n,
                         haft_law_vector *vector) {
     const haft_chaos_parts *p = &chaos->parts;
-    double x[N][CHAOS_TOGETHER] = {{0}}, out[N][CHAOS_TOGETHER];
-    for (size_t start = 0; start < n; start += CHAOS_TOGETHER) {
-        size_t count = n - start < CHAOS_TOGETHER ? n - start : CHAOS_TOGETHER;
+    double x[N][HAFT_SIMD_WIDTH] = {{0}}, out[N][HAFT_SIMD_WIDTH];
+    for (size_t start = 0; start < n; start += HAFT_SIMD_WIDTH) {
+        size_t count = n - start < HAFT_SIMD_WIDTH ? n - start : HAFT_SIMD_WIDTH;
         for (size_t l = 0; l < count; l++) {
             double u[N];
             draw_uniforms(s, first + start + l, 0, u);
@@ -39,7 +39,7 @@ static void sample_gpce(const haft_chaos *chaos, const stream *s, uint64_t first
                 x[i][l] = haft_chaos_germ_quantile(p->germ, u[i]);
             }
         }
-        haft_chaos_expand_lanes(chaos, x, out);
+        haft_chaos_expand_together(chaos, x, out);
         for (size_t l = 0; l < count; l++) {
             double eta[N];
             for (size_t i = 0; i < p->components; i++) {

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = HAFT_LAW_LANES, COLUMNS = 11, WALL = 6, ZERO = 10 };
+enum { LANES = HAFT_SIMD_WIDTH, COLUMNS = 11, WALL = 6, ZERO = 10 };
 
 struct haft_law_rows {
     size_t laws, stride;
@@ -47,7 +47,7 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
     }
     rows->laws = n;
     rows->bounds = haft_law_wings_bounds();
-    rows->stride = haft_law_lanes(n);
+    rows->stride = haft_simd_padded(n);
     rows->value = haft_memory_alloc(COLUMNS * rows->stride, sizeof *rows->value, error);
     rows->table = haft_memory_alloc(n, sizeof *rows->table, error);
     if (!rows->value || !rows->table) {

@@ -2,7 +2,6 @@
 /* A symmetric matrix by its diagonals: in a product as many rows as a vector has lanes go along all
  * of them, without an index. Worth it where they are few and full, as a beam's seven are. */
 #include "diagonals.h"
-#include "lanes.h"
 
 #include <stdlib.h>
 
@@ -84,15 +83,16 @@ static double row_product(const haft_diagonals *d, size_t n, const double *x, si
     return sum;
 }
 
-/* LANES rows from row i on, none of them as near to an end as the widest diagonal is wide. */
+/* HAFT_SIMD_WIDTH rows from row i on, none of them as near to an end as the widest diagonal is
+ * wide. */
 HAFT_INLINE void multiply_rows(const haft_diagonals *d, size_t i, double factor, const double *x,
                                const double *less, double *restrict out) {
-    double sum[LANES] = {0};
+    double sum[HAFT_SIMD_WIDTH] = {0};
     for (size_t k = 0; k < d->count; k++) {
         size_t offset = d->offset[k];
         const double *a = d->value + k * d->n + i, *right = x + i + offset, *left = x + i - offset;
 #pragma omp simd
-        for (size_t l = 0; l < LANES; l++) {
+        for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
             sum[l] += a[l] * right[l];
         }
         if (offset == 0) {
@@ -100,12 +100,12 @@ HAFT_INLINE void multiply_rows(const haft_diagonals *d, size_t i, double factor,
         }
         const double *mirrored = a - offset;
 #pragma omp simd
-        for (size_t l = 0; l < LANES; l++) {
+        for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
             sum[l] += mirrored[l] * left[l];
         }
     }
 #pragma omp simd
-    for (size_t l = 0; l < LANES; l++) {
+    for (size_t l = 0; l < HAFT_SIMD_WIDTH; l++) {
         out[i + l] = factor * sum[l] - (less != NULL ? less[i + l] : 0);
     }
 }
@@ -116,15 +116,15 @@ HAFT_CLONES static size_t multiply_middle(const haft_diagonals *d, size_t n, dou
                                           const double *x, const double *less,
                                           double *restrict out) {
     size_t edge = d->widest;
-    if (n < 2 * edge + LANES) {
+    if (n < 2 * edge + HAFT_SIMD_WIDTH) {
         return n;
     }
     size_t end = n - edge, i = edge;
-    for (; i + LANES <= end; i += LANES) {
+    for (; i + HAFT_SIMD_WIDTH <= end; i += HAFT_SIMD_WIDTH) {
         multiply_rows(d, i, factor, x, less, out);
     }
     if (i < end) {
-        multiply_rows(d, end - LANES, factor, x, less, out);
+        multiply_rows(d, end - HAFT_SIMD_WIDTH, factor, x, less, out);
     }
     return edge;
 }

@@ -5,8 +5,6 @@
 
 #include "haft/law.h"
 
-enum { LANES = HAFT_LAW_LANES };
-
 HAFT_INLINE double scaled(const haft_displacements *d, bool step, size_t r) {
     double gap = d->gap[r];
     double by = d->to != NULL ? d->to[r] - gap : d->by[r];
@@ -17,16 +15,16 @@ HAFT_INLINE double scaled(const haft_displacements *d, bool step, size_t r) {
 /* Called many times a step. So `step` is a constant, and so is which of `by` and `to` is given:
  * then the loop becomes vector code, with a maximum in each element of the vector. */
 HAFT_INLINE double largest(const haft_displacements *d, bool step) {
-    double part[LANES] = {0}, most = 0;
+    double part[HAFT_SIMD_WIDTH] = {0}, most = 0;
     size_t r = d->first;
-    for (; r + LANES <= d->sites; r += LANES) {
+    for (; r + HAFT_SIMD_WIDTH <= d->sites; r += HAFT_SIMD_WIDTH) {
 #pragma omp simd
-        for (size_t k = 0; k < LANES; k++) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             double x = scaled(d, step, r + k);
             part[k] = x > part[k] ? x : part[k];
         }
     }
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         most = part[k] > most ? part[k] : most;
     }
     for (; r < d->sites; r++) {

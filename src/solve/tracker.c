@@ -6,17 +6,17 @@
 
 /* Sum of v, in eight lanes; not finite if any element is not. */
 HAFT_CLONES static double total(const double *v, size_t n) {
-    double part[HAFT_LAW_LANES] = {0}, sum = 0;
-    size_t whole = n / HAFT_LAW_LANES * HAFT_LAW_LANES;
-    for (size_t i = 0; i < whole; i += HAFT_LAW_LANES) {
-        for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+    double part[HAFT_SIMD_WIDTH] = {0}, sum = 0;
+    size_t whole = n / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
+    for (size_t i = 0; i < whole; i += HAFT_SIMD_WIDTH) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             part[k] += v[i + k];
         }
     }
     for (size_t i = whole; i < n; i++) {
         part[i - whole] += v[i];
     }
-    for (size_t k = 0; k < HAFT_LAW_LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         sum += part[k];
     }
     return sum;

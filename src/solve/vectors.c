@@ -2,24 +2,23 @@
 /* Vector operations of KINSOL's iterations. SUNDIALS' own are not vectorized, which costs a tenth
  * of the time of short beams. */
 #include "vectors.h"
-#include "lanes.h"
 
 #include <math.h>
 
 /* sqrt(sum (x w)^2). */
 HAFT_CLONES static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
     const double *a = N_VGetArrayPointer(x), *b = N_VGetArrayPointer(w);
-    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
-    double part[LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
+    size_t n = (size_t)N_VGetLength(x), whole = n / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
+    double part[HAFT_SIMD_WIDTH] = {0}, sum = 0;
+    for (size_t i = 0; i < whole; i += HAFT_SIMD_WIDTH) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             part[k] += (a[i + k] * b[i + k]) * (a[i + k] * b[i + k]);
         }
     }
     for (size_t i = whole; i < n; i++) {
         part[i - whole] += (a[i] * b[i]) * (a[i] * b[i]);
     }
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         sum += part[k];
     }
     return sqrt(sum);
@@ -38,20 +37,20 @@ HAFT_CLONES static void product(N_Vector x, N_Vector y, N_Vector z) {
 /* min x, by which KINSOL checks its scales in every call. */
 HAFT_CLONES static sunrealtype least(N_Vector x) {
     const double *a = N_VGetArrayPointer(x);
-    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
-    double part[LANES], low = INFINITY;
-    for (size_t k = 0; k < LANES; k++) {
+    size_t n = (size_t)N_VGetLength(x), whole = n / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
+    double part[HAFT_SIMD_WIDTH], low = INFINITY;
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         part[k] = INFINITY;
     }
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
+    for (size_t i = 0; i < whole; i += HAFT_SIMD_WIDTH) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             part[k] = a[i + k] < part[k] ? a[i + k] : part[k];
         }
     }
     for (size_t i = whole; i < n; i++) {
         part[i - whole] = a[i] < part[i - whole] ? a[i] : part[i - whole];
     }
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         low = part[k] < low ? part[k] : low;
     }
     return low;
@@ -60,17 +59,17 @@ HAFT_CLONES static sunrealtype least(N_Vector x) {
 /* max |x|. */
 HAFT_CLONES static sunrealtype max_norm(N_Vector x) {
     const double *a = N_VGetArrayPointer(x);
-    size_t n = (size_t)N_VGetLength(x), whole = n / LANES * LANES;
-    double part[LANES] = {0}, most = 0;
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
+    size_t n = (size_t)N_VGetLength(x), whole = n / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
+    double part[HAFT_SIMD_WIDTH] = {0}, most = 0;
+    for (size_t i = 0; i < whole; i += HAFT_SIMD_WIDTH) {
+        for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             part[k] = fabs(a[i + k]) > part[k] ? fabs(a[i + k]) : part[k];
         }
     }
     for (size_t i = whole; i < n; i++) {
         part[i - whole] = fabs(a[i]) > part[i - whole] ? fabs(a[i]) : part[i - whole];
     }
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         most = part[k] > most ? part[k] : most;
     }
     return most;

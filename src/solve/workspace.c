@@ -95,7 +95,7 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     double **vector[VECTORS], **site_vector[SITE_VECTORS];
     list_vectors(t, vector);
     list_site_vectors(t, site_vector);
-    size_t lanes = haft_law_lanes(t->model->sites);
+    size_t lanes = haft_simd_padded(t->model->sites);
     if (!allocate_list(vector, VECTORS, t->n, error) ||
         !allocate_list(site_vector, SITE_VECTORS, lanes, error)) {
         return HAFT_ERROR_MEMORY;

@@ -15,7 +15,7 @@ static void check_parts(const haft_law_rows *rows, size_t first, size_t n, const
     enum { ROOM = 64 };
     double part[3][ROOM];
     size_t bytes = n * sizeof(double);
-    assert_true(haft_law_lanes(n) <= ROOM);
+    assert_true(haft_simd_padded(n) <= ROOM);
     const haft_law_values force = {.force = part[0]}, three = {part[0], part[1], NULL, part[2]};
     assert_true(haft_law_rows_evaluate(rows, first, n, d, &force) < n);
     assert_memory_equal(part[0], all->force, bytes);
@@ -28,7 +28,7 @@ static void check_parts(const haft_law_rows *rows, size_t first, size_t n, const
 /* Laws that are all out of reach say so and are 0; one within reach, in whatever lane, is felt. */
 static void a_free_span_is_told(void **state) {
     (void)state;
-    enum { LAWS = 2 * HAFT_LAW_LANES, ROOM = LAWS + 2 * HAFT_LAW_LANES };
+    enum { LAWS = 2 * HAFT_SIMD_WIDTH, ROOM = LAWS + 2 * HAFT_SIMD_WIDTH };
     haft_error error = {0};
     haft_law law[LAWS];
     haft_law_rows *rows = NULL;
@@ -47,7 +47,7 @@ static void a_free_span_is_told(void **state) {
                 out[0][i] = out[1][i] = out[2][i] = out[3][i] = 7;
             }
             assert_int_equal(haft_law_rows_evaluate(rows, 0, LAWS, d, &asked[a]),
-                             near / HAFT_LAW_LANES * HAFT_LAW_LANES);
+                             near / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH);
             for (size_t i = 0; i < LAWS; i++) {
                 assert_true((out[0][i] != 0) == (i == near));
                 assert_true(asked[a].slope == NULL || (out[1][i] != 0) == (i == near));
@@ -63,7 +63,7 @@ static void a_free_span_is_told(void **state) {
 static void rows_give_the_same_bits(void **state) {
     (void)state;
     enum { LAWS = 37, POINTS = 40 };
-    double x[POINTS], f[POINTS], d[LAWS + 2 * HAFT_LAW_LANES], out[4][LAWS + 2 * HAFT_LAW_LANES];
+    double x[POINTS], f[POINTS], d[LAWS + 2 * HAFT_SIMD_WIDTH], out[4][LAWS + 2 * HAFT_SIMD_WIDTH];
     haft_error error = {0};
     haft_law_table *table = NULL;
     for (int i = 0; i < POINTS; i++) {
@@ -110,10 +110,10 @@ static void rows_give_the_same_bits(void **state) {
         d[i] = i < 22 ? 1e-5 : 10e-9;
     }
     assert_int_equal(haft_law_rows_evaluate(rows, 0, LAWS, d, &values),
-                     22 / HAFT_LAW_LANES * HAFT_LAW_LANES);
+                     22 / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH);
     const haft_law_values force = {.force = out[0]};
     assert_int_equal(haft_law_rows_evaluate(rows, 0, LAWS, d, &force),
-                     22 / HAFT_LAW_LANES * HAFT_LAW_LANES);
+                     22 / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH);
     assert_int_equal(haft_law_rows_evaluate(rows, 0, 22, d, &values), 22);
     d[5] = NAN; /* a state that has come to nothing: told by what it gives, and no crash */
     haft_law_rows_evaluate(rows, 0, LAWS, d, &values);
