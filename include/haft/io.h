@@ -16,40 +16,14 @@
 #ifndef HAFT_IO_H
 #define HAFT_IO_H
 
-#include "haft/chaos.h"
+#include "haft/chaos_laws.h"
 #include "haft/io_case.h"
-#include "haft/law.h"
 #include "haft/solve.h"
 #include "haft/surface_map.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/** Contents of laws.h5: m laws read off curves on n distances, the curves that are kept, and the
- *  stochastic model built from the laws, if there is one. */
-typedef struct haft_laws {
-    size_t m;                 /**< laws */
-    size_t n;                 /**< distances of a curve */
-    size_t sites;             /**< laws a realization; m where a model was built from them */
-    size_t first_site;        /**< law i of realization j is j * sites + i, and that of the site
-                                   first_site + i: those before never come into range */
-    double f_limit;           /**< as haft_law_limit() takes it */
-    double *distance;         /**< n [m] */
-    size_t curves;            /**< kept, <= m */
-    int *curve_law;           /**< curves: which law each is of, rising; NULL: all are kept */
-    double *force;            /**< curves x n [Pa] */
-    haft_law_vector *vector;  /**< m; NaN where the fault forbids it */
-    haft_law_fault *fault;    /**< m */
-    double *zero_distance;    /**< m: zero-force distance [m], NaN if none */
-    double *contact_area;     /**< m: there, share of the area */
-    double *wet_area;         /**< m */
-    double *asperities;       /**< m: in contact, a patch */
-    haft_chaos *chaos;        /**< of the sound vectors; NULL without a model. Owned */
-    haft_chaos_errors errors; /**< of its expansion */
-    char origin[HAFT_DIGEST_CAPACITY]; /**< digest of the vectors it was fitted to; "" if built */
-    haft_law_table **table; /**< m: of the curves, by haft_laws_tabulate(); else NULL. Owned */
-} haft_laws;
 
 /** Digest of laws: haft_case_laws_digest(), and with it the origin where that is not "". */
 haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
@@ -58,41 +32,6 @@ haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_cas
 /** Reads the digest and the origin of laws.h5 alone, once its checksum is verified. */
 haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_DIGEST_CAPACITY],
                            const char *path, haft_error *error) HAFT_MUST_CHECK;
-
-/** @return HAFT_ERROR_MEMORY; a set without distances has NaN for what is read off curves. */
-haft_status haft_laws_create(haft_laws **out, size_t m, size_t n,
-                             haft_error *error) HAFT_MUST_CHECK;
-
-/** The same with room for some of the curves alone, at most INT_MAX laws; curve_law is to be
- * filled in unless curves == m. */
-haft_status haft_laws_create_sparse(haft_laws **out, size_t m, size_t curves, size_t n,
-                                    haft_error *error) HAFT_MUST_CHECK;
-
-/** The curve of law k, n forces; NULL if it is not kept. Thread-safe. */
-const double *haft_laws_curve(const haft_laws *laws, size_t k);
-
-/** Makes the tables of all curves that are kept, so that beams that draw the same ones share them;
- *  of a curve that no table can be made of there is none. Once made they are not made again.
- *  @return HAFT_ERROR_MEMORY */
-haft_status haft_laws_tabulate(haft_laws *laws, haft_error *error) HAFT_MUST_CHECK;
-
-/** A copy of the laws first .. first + count - 1 as one realization's, its first that of the same
- *  site as `first`.
- *  @param[out] out the copy; NULL after a failure
- *  @param[in] laws they are copied from
- *  @param[in] first, count which
- *  @param[in] keep [count] whose curves are to be kept, of those there are
- *  @param[out] error one message where it fails; may be NULL */
-haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t first, size_t count,
-                             const bool *keep, haft_error *error) HAFT_MUST_CHECK;
-
-/** Puts realizations one after another: sets of one realization each, of as many sites on the same
- *  distances. The sets are used up, each destroyed as soon as it is copied. */
-haft_status haft_laws_join(haft_laws **out, haft_laws **set, size_t count,
-                           haft_error *error) HAFT_MUST_CHECK;
-
-/** Frees laws and sets the pointer to NULL; NULL is allowed. */
-void haft_laws_destroy(haft_laws **laws);
 
 /** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it over
  *  what is there. Nothing is left behind by a failure. It is made in memory, at twice its size
@@ -189,23 +128,6 @@ haft_status haft_map_write(const haft_map *map, const char *path,
 haft_status haft_io_write(const char *path, const void *data, size_t size,
                           haft_error *error) HAFT_MUST_CHECK;
 
-/** One row of results.h5's /summary. */
-typedef struct haft_summary {
-    double crack_length;        /**< after unloading [m]; the beam's length if free */
-    double loaded_crack_length; /**< where the loading ends [m] */
-    double gamma;               /**< Eq. 36 [J/m^2]; 0 if free */
-    double work;                /**< of the load [J] */
-    double dissipated;          /**< in jumps [J] */
-    double internal_energy;     /**< strain energy at rest [J] */
-    double end_influence;       /**< see haft_path.end_influence */
-    double ledger_error;        /**< see haft_path.ledger_error */
-    double seconds;             /**< time taken; the one number that is not reproducible */
-    int outcome;                /**< a haft_outcome */
-    int jumps;                  /**< in loading and unloading */
-    int steps;                  /**< accepted */
-    int unfit;                  /**< sites whose curve no Morse law fits */
-} haft_summary;
-
 /** A results file being written: one realization after another, in any order, by one thread at a
  *  time. Nothing shows under `path` before haft_results_finish(); until then all is held in memory
  *  (80 bytes a path point, 16 bytes a node and point of evidence; at the end twice that). A run
@@ -249,16 +171,6 @@ void haft_results_abandon(haft_results **results);
 
 /* ---- parts: the realizations of an unfinished run ---- */
 
-/** A share of a run's realizations, for processes that know nothing of each other: those k with
- *  k mod count = index - 1. Shards 1 .. count are disjoint, and together all there are. */
-typedef struct haft_shard {
-    size_t index; /**< from 1 to count */
-    size_t count; /**< 0: no shard but the whole run */
-} haft_shard;
-
-/** Whether a realization is one of the shard's. Thread-safe. */
-bool haft_shard_has(haft_shard shard, size_t realization);
-
 /** One process's part of a run: a log FOLDER/part-RANK-NUMBER, of a shard
  *  FOLDER/part-IofN-RANK-NUMBER, that grows by a checksummed record a realization. A process that
  *  is killed loses what it had not yet appended, no more. */
@@ -267,12 +179,13 @@ typedef struct haft_part haft_part;
 /** Starts a new part; it never touches those that are there.
  *  @param[out] out the part; NULL after a failure
  *  @param[in] folder of parts, which is held
- *  @param[in] shard, rank of the process in the run, for the name alone
+ *  @param[in] shard, shards, rank of the process in the run, for the name alone; shard from 1 to
+ *  shards, or both 0 for the whole run
  *  @param[in] c, laws_digest what its realizations are of
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO (nothing is left behind), HAFT_ERROR_MEMORY. Thread-safe. */
-haft_status haft_part_create(haft_part **out, const char *folder, haft_shard shard, int rank,
-                             const haft_case *c, const char *laws_digest,
+haft_status haft_part_create(haft_part **out, const char *folder, size_t shard, size_t shards,
+                             int rank, const haft_case *c, const char *laws_digest,
                              haft_error *error) HAFT_MUST_CHECK;
 
 /** Appends one realization, whole or not at all, in any order. The kernel has it on return; the
@@ -295,10 +208,11 @@ haft_status haft_part_close(haft_part **part, haft_error *error);
 /** A folder of parts, held (flock) by one run, or by any number of shards, each by one process. */
 typedef struct haft_parts haft_parts;
 
-/** Makes the folder if need be and takes it. A shard sees and clears its own parts alone.
+/** Makes the folder if need be and takes it. A shard (1 to `shards`; both 0: the whole run) sees
+ * and clears its own parts alone.
  *  @return HAFT_ERROR_EXISTS if another process holds it or the shard, or if parts of another
  *  split are there; HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
-haft_status haft_parts_hold(haft_parts **out, const char *folder, haft_shard shard,
+haft_status haft_parts_hold(haft_parts **out, const char *folder, size_t shard, size_t shards,
                             haft_error *error) HAFT_MUST_CHECK;
 
 /** Gives the folder up, and removes it if no part is left in it; NULL is allowed. */

@@ -175,6 +175,23 @@ haft_status haft_solve_path(haft_path **out, const haft_model *model, const haft
 /** Frees a path and sets the pointer to NULL; NULL is allowed. */
 void haft_path_destroy(haft_path **path);
 
+/** What a path comes to; one row of the /summary of results.h5. */
+typedef struct haft_summary {
+    double crack_length;        /**< after unloading [m]; the beam's length if free */
+    double loaded_crack_length; /**< where the loading ends [m] */
+    double gamma;               /**< Eq. 36 [J/m^2]; 0 if free */
+    double work;                /**< of the load [J] */
+    double dissipated;          /**< in jumps [J] */
+    double internal_energy;     /**< strain energy at rest [J] */
+    double end_influence;       /**< see haft_path.end_influence */
+    double ledger_error;        /**< see haft_path.ledger_error */
+    double seconds;             /**< time taken; the one number that is not reproducible */
+    int outcome;                /**< a haft_outcome */
+    int jumps;                  /**< in loading and unloading */
+    int steps;                  /**< accepted */
+    int unfit;                  /**< sites whose curve no Morse law fits */
+} haft_summary;
+
 #ifdef __cplusplus
 }
 #endif

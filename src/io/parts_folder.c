@@ -18,16 +18,11 @@
 
 enum { TRIES = 100, NAP = 5000000 /* [ns] */ };
 
-bool haft_shard_has(haft_shard shard, size_t realization) {
-    return shard.count == 0 || realization % shard.count == shard.index - 1;
-}
-
-void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], haft_shard shard) {
-    if (shard.count == 0) {
+void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], size_t shard, size_t shards) {
+    if (shards == 0) {
         snprintf(prefix, HAFT_PART_NAME_CAPACITY, HAFT_PART_PREFIX);
     } else {
-        snprintf(prefix, HAFT_PART_NAME_CAPACITY, HAFT_PART_PREFIX "%zuof%zu-", shard.index,
-                 shard.count);
+        snprintf(prefix, HAFT_PART_NAME_CAPACITY, HAFT_PART_PREFIX "%zuof%zu-", shard, shards);
     }
 }
 
@@ -148,7 +143,7 @@ static haft_status take_lock(haft_parts *parts, int *lock, const char *name, int
     if (lock == &parts->shard_lock) {
         return haft_error_set(error, HAFT_ERROR_EXISTS,
                               "%s: shard %zu/%zu is at work already; wait for its end or stop it",
-                              parts->folder, parts->shard.index, parts->shard.count);
+                              parts->folder, parts->shard, parts->shards);
     }
     return haft_error_set(error, HAFT_ERROR_EXISTS,
                           "%s: a run of this case is there already, at work; wait for its end or "
@@ -156,8 +151,8 @@ static haft_status take_lock(haft_parts *parts, int *lock, const char *name, int
                           parts->folder);
 }
 
-static void name_shard_lock(char name[HAFT_PART_NAME_CAPACITY], haft_shard shard) {
-    snprintf(name, HAFT_PART_NAME_CAPACITY, HAFT_PARTS_LOCK "-%zuof%zu", shard.index, shard.count);
+static void name_shard_lock(char name[HAFT_PART_NAME_CAPACITY], size_t shard, size_t shards) {
+    snprintf(name, HAFT_PART_NAME_CAPACITY, HAFT_PARTS_LOCK "-%zuof%zu", shard, shards);
 }
 
 static haft_status read_names(haft_parts *parts, const char *prefix, haft_error *error);
@@ -172,11 +167,11 @@ static haft_status refuse_other_split(haft_parts *parts, haft_error *error) {
                                     "%s/%s: an unfinished run without shards is there already; go "
                                     "on with it by `haft resume`, or move its parts away",
                                     parts->folder, parts->file[i]);
-        } else if (count != parts->shard.count) {
+        } else if (count != parts->shards) {
             status = haft_error_set(error, HAFT_ERROR_EXISTS,
                                     "%s/%s: the run is split into %zu shards, not into %zu; go on "
                                     "with those, or move their parts away",
-                                    parts->folder, parts->file[i], count, parts->shard.count);
+                                    parts->folder, parts->file[i], count, parts->shards);
         }
     }
     haft_parts_forget(parts);
@@ -184,11 +179,11 @@ static haft_status refuse_other_split(haft_parts *parts, haft_error *error) {
 }
 
 static haft_status lock_all(haft_parts *parts, haft_error *error) {
-    if (parts->shard.count == 0) {
+    if (parts->shards == 0) {
         return take_lock(parts, &parts->lock, HAFT_PARTS_LOCK, LOCK_EX, error);
     }
     char name[HAFT_PART_NAME_CAPACITY];
-    name_shard_lock(name, parts->shard);
+    name_shard_lock(name, parts->shard, parts->shards);
     haft_status status = take_lock(parts, &parts->lock, HAFT_PARTS_LOCK, LOCK_SH, error);
     if (status == HAFT_OK) {
         status = take_lock(parts, &parts->shard_lock, name, LOCK_EX, error);
@@ -196,14 +191,14 @@ static haft_status lock_all(haft_parts *parts, haft_error *error) {
     return status == HAFT_OK ? refuse_other_split(parts, error) : status;
 }
 
-haft_status haft_parts_hold(haft_parts **out, const char *folder, haft_shard shard,
+haft_status haft_parts_hold(haft_parts **out, const char *folder, size_t shard, size_t shards,
                             haft_error *error) {
     *out = NULL;
     haft_parts *parts = haft_memory_alloc(1, sizeof *parts, error);
     if (parts == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    *parts = (haft_parts){.shard = shard, .lock = -1, .shard_lock = -1};
+    *parts = (haft_parts){.shard = shard, .shards = shards, .lock = -1, .shard_lock = -1};
     size_t length = strlen(folder);
     parts->folder = haft_memory_alloc(length + 1, 1, error);
     haft_status status = HAFT_ERROR_MEMORY;
@@ -285,14 +280,14 @@ void haft_parts_release(haft_parts **parts) {
     haft_parts_forget(p);
     if (p->shard_lock >= 0) {
         char name[HAFT_PART_NAME_CAPACITY];
-        name_shard_lock(name, p->shard);
+        name_shard_lock(name, p->shard, p->shards);
         remove_lock(p, name);
         close(p->shard_lock);
     }
     if (p->lock >= 0) {
         /* The last shard to end has the folder alone, as a run always has; it removes all locks,
          * those of killed shards too. */
-        if (p->shard.count == 0 || flock(p->lock, LOCK_EX | LOCK_NB) == 0) {
+        if (p->shards == 0 || flock(p->lock, LOCK_EX | LOCK_NB) == 0) {
             sweep_out(p->folder, is_lock);
         }
         close(p->lock);
@@ -347,7 +342,7 @@ bool haft_parts_are_in(const char *folder) {
 
 haft_status haft_parts_list(haft_parts *parts, haft_error *error) {
     char prefix[HAFT_PART_NAME_CAPACITY];
-    haft_parts_prefix(prefix, parts->shard);
+    haft_parts_prefix(prefix, parts->shard, parts->shards);
     return read_names(parts, prefix, error);
 }
 

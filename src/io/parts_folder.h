@@ -19,7 +19,7 @@ typedef struct haft_parts_entry {
 
 struct haft_parts {
     char *folder;
-    haft_shard shard;
+    size_t shard, shards; /* both 0: the whole run */
     int lock, shard_lock; /* -1: not held */
     size_t files;
     char **file; /* names of the parts, malloc()ed */
@@ -31,7 +31,7 @@ struct haft_parts {
 char *haft_parts_join(const haft_parts *parts, const char *name, haft_error *error) HAFT_MUST_CHECK;
 
 /* What the names of a shard's parts begin with: "part-2of3-"; "part-" where it is none. */
-void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], haft_shard shard);
+void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], size_t shard, size_t shards);
 
 /* Reads the names of the parts, of a shard its own. */
 haft_status haft_parts_list(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;

@@ -114,10 +114,10 @@ static haft_status append(haft_part *part, const void *data, size_t size, haft_e
     return HAFT_OK;
 }
 
-static haft_status open_new(haft_part *part, const char *folder, haft_shard shard, int rank,
-                            haft_error *error) {
+static haft_status open_new(haft_part *part, const char *folder, size_t shard, size_t shards,
+                            int rank, haft_error *error) {
     char prefix[HAFT_PART_NAME_CAPACITY];
-    haft_parts_prefix(prefix, shard);
+    haft_parts_prefix(prefix, shard, shards);
     size_t capacity = strlen(folder) + sizeof prefix + 64;
     part->path = haft_memory_alloc(capacity, 1, error);
     if (part->path == NULL) {
@@ -135,8 +135,9 @@ static haft_status open_new(haft_part *part, const char *folder, haft_shard shar
                                                   part->path, strerror(errno));
 }
 
-haft_status haft_part_create(haft_part **out, const char *folder, haft_shard shard, int rank,
-                             const haft_case *c, const char *laws_digest, haft_error *error) {
+haft_status haft_part_create(haft_part **out, const char *folder, size_t shard, size_t shards,
+                             int rank, const haft_case *c, const char *laws_digest,
+                             haft_error *error) {
     *out = NULL;
     haft_part *part = haft_memory_alloc(1, sizeof *part, error);
     if (part == NULL) {
@@ -147,7 +148,7 @@ haft_status haft_part_create(haft_part **out, const char *folder, haft_shard sha
     char *text = NULL;
     haft_status status = haft_part_make_head(&head, &text, c, laws_digest, error);
     if (status == HAFT_OK) {
-        status = open_new(part, folder, shard, rank, error);
+        status = open_new(part, folder, shard, shards, rank, error);
     }
     if (status == HAFT_OK) {
         status = append(part, &head, sizeof head, error);

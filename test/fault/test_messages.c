@@ -218,8 +218,7 @@ static void too_few_descriptors_are_told(void **state) {
     char digest[HAFT_DIGEST_CAPACITY];
     check_ok(haft_case_read(&read, path_in(&c, "case.yaml", path), &error), error);
     check_ok(haft_case_laws_digest(read, digest, &error), error);
-    check_ok(haft_parts_hold(&parts, path_in(&c, "out/parts", path), (haft_shard){0}, &error),
-             error);
+    check_ok(haft_parts_hold(&parts, path_in(&c, "out/parts", path), 0, 0, &error), error);
     check_ok(haft_parts_scan(parts, read, digest, NULL, NULL, &error), error);
     assert_int_equal(haft_parts_found(parts), 2);
     struct rlimit kept, none;

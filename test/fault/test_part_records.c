@@ -34,8 +34,8 @@ static haft_status there_and_back(const record *r, haft_error *error) {
     haft_summary summary;
     check_ok(haft_case_read(&c, HAFT_SOURCE_DIR "/cases/delrio-rh85/case.yaml", error), *error);
     c->realizations = BEAMS;
-    check_ok(haft_parts_hold(&parts, folder, (haft_shard){0, 0}, error), *error);
-    check_ok(haft_part_create(&part, folder, (haft_shard){0, 0}, 0, c, LAWS, error), *error);
+    check_ok(haft_parts_hold(&parts, folder, 0, 0, error), *error);
+    check_ok(haft_part_create(&part, folder, 0, 0, 0, c, LAWS, error), *error);
     check_ok(haft_part_append(part, 2, &r->path, 0, &r->summary, NULL, error), *error);
     check_ok(haft_part_close(&part, error), *error);
     check_ok(haft_parts_scan(parts, c, LAWS, NULL, NULL, error), *error);

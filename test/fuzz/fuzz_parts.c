@@ -85,7 +85,7 @@ static void read_all(void) {
     haft_error error = {0};
     haft_parts *parts = NULL;
     haft_case *c = fuzz_case(BEAMS);
-    haft_status status = haft_parts_hold(&parts, fuzz_path("parts"), (haft_shard){0, 0}, &error);
+    haft_status status = haft_parts_hold(&parts, fuzz_path("parts"), 0, 0, &error);
     FUZZ_DEMAND(status == HAFT_OK, "%s", error.message);
     status = haft_parts_scan(parts, c, LAWS, ignore, NULL, &error);
     fuzz_check_status(status, &error);

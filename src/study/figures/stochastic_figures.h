@@ -3,7 +3,7 @@
 #ifndef HAFT_STUDY_STOCHASTIC_FIGURES_H
 #define HAFT_STUDY_STOCHASTIC_FIGURES_H
 
-#include "stochastic.h"
+#include "study/laws/stochastic.h"
 
 enum { ORDERS = 3 };
 

@@ -3,7 +3,7 @@
 #ifndef HAFT_STUDY_SCHEDULER_H
 #define HAFT_STUDY_SCHEDULER_H
 
-#include "moments.h"
+#include "study/statistics/moments.h"
 
 #include <omp.h>
 

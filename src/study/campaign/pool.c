@@ -9,8 +9,8 @@ static haft_status keep(haft_pool *pool, size_t k, const haft_path *path,
     haft_status status = HAFT_OK;
     omp_set_lock(&pool->lock);
     if (pool->part == NULL) {
-        status = haft_part_create(&pool->part, pool->folder, pool->shard, pool->rank, pool->c,
-                                  pool->laws_digest, error);
+        status = haft_part_create(&pool->part, pool->folder, pool->shard.index, pool->shard.count,
+                                  pool->rank, pool->c, pool->laws_digest, error);
     }
     if (status == HAFT_OK) {
         status = haft_part_append(pool->part, k, path, pool->model->dofs, summary, laws, error);

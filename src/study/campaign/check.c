@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a run would refuse, found before it: the steps that a run takes first, up to the law of the
  * first site, without a beam. They are the run's own, so that the messages are. */
-#include "builder.h"
+#include "study/laws/builder.h"
 
 /* The patch whose curve a beam of the first realization takes first, if it takes curves at all. */
 static bool first_patch(const haft_case *c, size_t *patch) {

@@ -3,8 +3,8 @@
 #ifndef HAFT_STUDY_POOL_H
 #define HAFT_STUDY_POOL_H
 
-#include "builder.h"
 #include "relay.h"
+#include "study/laws/builder.h"
 
 /* What all hands of a process share. */
 typedef struct haft_pool {

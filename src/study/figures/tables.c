@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Summaries as CSV, for whoever has no HDF5 at hand. */
-#include "moments.h"
+#include "study/statistics/moments.h"
 
 #include <math.h>
 #include <stdio.h>

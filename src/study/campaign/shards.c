@@ -6,6 +6,10 @@
 
 enum { NAMED = 12 }; /* shards in a list, and then no more */
 
+bool haft_shard_has(haft_shard shard, size_t realization) {
+    return shard.count == 0 || realization % shard.count == shard.index - 1;
+}
+
 void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_run_files *files) {
     if (shard.count == 0) {
         snprintf(way, HAFT_WAY_CAPACITY, "haft resume");

@@ -1,35 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sets of laws in memory: room for them, single realizations taken out of a set and put together
- * again, and which of the curves a set has kept. */
-#include "hdf.h"
+/* Sets of laws in memory: which curves they keep, parts of them, and sets joined. */
+#include "haft/chaos_laws.h"
 
 #include <limits.h>
 #include <math.h>
 #include <string.h>
-
-const haft_hdf_column haft_hdf_vector_columns[HAFT_CHAOS_DIMENSION] = {
-    {"e", HAFT_HDF_REAL, offsetof(haft_law_vector, e), "J/m^2",
-     "energy of the attractive part; NaN where the fault forbids it"},
-    {"f_max", HAFT_HDF_REAL, offsetof(haft_law_vector, f_max), "Pa", "greatest pull"},
-    {"d_max", HAFT_HDF_REAL, offsetof(haft_law_vector, d_max), "m", "gap of the greatest pull"},
-    {"d_limit", HAFT_HDF_REAL, offsetof(haft_law_vector, d_limit), "m",
-     "gap at which the push reaches f_limit"},
-};
-
-const haft_laws_row haft_laws_rows[HAFT_LAWS_ROWS] = {
-    {"zero_distance", "m", "greatest gap at which the force vanishes; NaN if there is none",
-     offsetof(haft_laws, zero_distance)},
-    {"contact_area", "1", "share of the area in contact there", offsetof(haft_laws, contact_area)},
-    {"wet_area", "1", "share of the area under menisci or in contact there",
-     offsetof(haft_laws, wet_area)},
-    {"asperities", "1", "asperities in contact there, a patch", offsetof(haft_laws, asperities)},
-};
-
-double *haft_laws_row_of(const haft_laws *laws, const haft_laws_row *row) {
-    double *values;
-    memcpy(&values, (const char *)laws + row->member, sizeof values);
-    return values;
-}
 
 static bool allocate(haft_laws *laws, haft_error *error) {
     size_t m = laws->m, n = laws->n, size = 0;
@@ -71,8 +46,9 @@ haft_status haft_laws_create_sparse(haft_laws **out, size_t m, size_t curves, si
         haft_laws_destroy(&laws);
         return HAFT_ERROR_MEMORY;
     }
-    for (size_t i = 0; n == 0 && i < HAFT_LAWS_ROWS * m; i++) {
-        haft_laws_row_of(laws, &haft_laws_rows[i / m])[i % m] = NAN; /* nothing to read off */
+    for (size_t k = 0; n == 0 && k < m; k++) { /* no curves to read them off */
+        laws->zero_distance[k] = laws->contact_area[k] = laws->wet_area[k] = NAN;
+        laws->asperities[k] = NAN;
     }
     *out = laws;
     return HAFT_OK;
@@ -142,14 +118,14 @@ haft_status haft_laws_tabulate(haft_laws *laws, haft_error *error) {
     return status;
 }
 
-/* Copies what is one number a law; the laws come to lie from `at` on. */
+/* Copies all but curves of `count` laws, to the places from `at` on. */
 static void copy_rows(haft_laws *to, size_t at, const haft_laws *from, size_t first, size_t count) {
     memcpy(to->vector + at, from->vector + first, count * sizeof *to->vector);
     memcpy(to->fault + at, from->fault + first, count * sizeof *to->fault);
-    for (int i = 0; i < HAFT_LAWS_ROWS; i++) {
-        memcpy(haft_laws_row_of(to, &haft_laws_rows[i]) + at,
-               haft_laws_row_of(from, &haft_laws_rows[i]) + first, count * sizeof(double));
-    }
+    memcpy(to->zero_distance + at, from->zero_distance + first, count * sizeof(double));
+    memcpy(to->contact_area + at, from->contact_area + first, count * sizeof(double));
+    memcpy(to->wet_area + at, from->wet_area + first, count * sizeof(double));
+    memcpy(to->asperities + at, from->asperities + first, count * sizeof(double));
 }
 
 haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t first, size_t count,
@@ -227,25 +203,4 @@ haft_status haft_laws_join(haft_laws **out, haft_laws **set, size_t count, haft_
         haft_laws_destroy(&set[k]);
     }
     return HAFT_OK;
-}
-
-void haft_hdf_write_limit(haft_hdf *hdf, const char *object, double f_limit) {
-    haft_hdf_write_real(hdf, object, "f_limit", fabs(f_limit));
-    haft_hdf_write_text(hdf, object, "f_limit_unit", f_limit > 0 ? "Pa" : "f_max");
-}
-
-void haft_hdf_read_limit(haft_hdf *hdf, const char *object, double *f_limit) {
-    char *unit = NULL;
-    haft_hdf_read_real(hdf, object, "f_limit", f_limit);
-    haft_hdf_read_text(hdf, object, "f_limit_unit", &unit);
-    if (hdf->status == HAFT_OK) {
-        bool share = strcmp(unit, "f_max") == 0;
-        if (!share && strcmp(unit, "Pa") != 0) {
-            haft_hdf_refuse(hdf, "has an f_limit in \"%.40s\", neither Pa nor f_max", unit);
-        } else if (!(*f_limit > 0)) {
-            haft_hdf_refuse(hdf, "has an f_limit that is not above 0");
-        }
-        *f_limit = share ? haft_law_share(*f_limit) : *f_limit;
-    }
-    haft_memory_free(unit);
 }

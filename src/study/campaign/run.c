@@ -420,7 +420,8 @@ static haft_status go(run *r) {
 static haft_status begin(run *r) {
     haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
     if (status == HAFT_OK) {
-        status = haft_parts_hold(&r->parts, r->files->parts, r->shard, r->error);
+        status =
+            haft_parts_hold(&r->parts, r->files->parts, r->shard.index, r->shard.count, r->error);
     }
     if (status == HAFT_OK && r->mode == HAFT_RUN_NEW && r->shard.count == 0) {
         status = refuse_parts(r);
