@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The clock that times are taken with. */
+/* The clock for measuring times. */
 #include "haft/base.h"
 
 #include <time.h>

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Errors are values: the caller owns one haft_error, every failing function writes one message.
- * Every message is made here, so here whatever it quotes of files and users is made safe to show:
- * a message's only line breaks are those between the lines that haft_error_add() made. */
+/* Errors are values: the caller owns one haft_error, and every failing function writes one message.
+ * All messages are made here, so text quoted from files and users is made safe to print here. The
+ * only line breaks in a message are those that haft_error_add() puts between its lines. */
 #include "haft/base.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Ends a message that did not fit in "...", without a torn character before it. */
+/* Ends a message that did not fit with "...", without an incomplete character before it. */
 static void mark_cut(char message[HAFT_ERROR_CAPACITY]) {
     size_t end = strlen(message);
     end = end < HAFT_ERROR_CAPACITY - 4 ? end : HAFT_ERROR_CAPACITY - 4;
@@ -18,7 +18,7 @@ static void mark_cut(char message[HAFT_ERROR_CAPACITY]) {
     memcpy(message + end, "...", 4);
 }
 
-/* Formats text and makes it safe to show. @return false if it had to be cut */
+/* Formats text and makes it safe to print. @return false if it had to be cut */
 static bool write_safe(char *out, size_t capacity, const char *format, va_list arguments)
     HAFT_PRINTF(3, 0);
 static bool write_safe(char *out, size_t capacity, const char *format, va_list arguments) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files to be read: regular ones only. To open a FIFO would wait for a writer, and a device has no
- * end or does something when it is read. */
+/* Reading of files, regular ones only: opening a FIFO would wait for a writer, and a device may
+ * have no end or may act when it is read. */
 #include "haft/base.h"
 
 #include <errno.h>
@@ -35,11 +35,11 @@ haft_status haft_file_open(int *out, size_t *size, const char *path, haft_error 
     return HAFT_OK;
 }
 
-/* Reads `size` bytes, in spite of interruptions, and sees that there are no more. */
+/* Reads `size` bytes, resuming after interruptions, and checks that there are no more. */
 static haft_status read_all(char *bytes, size_t size, int descriptor, const char *path,
                             haft_error *error) {
     size_t done = 0;
-    while (done <= size) { /* there is room for one byte more */
+    while (done <= size) { /* the buffer has room for one more byte */
         ssize_t n = read(descriptor, bytes + done, size + 1 - done);
         if (n < 0 && errno == EINTR) {
             continue;

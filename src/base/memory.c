@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Zeroed, aligned memory: 64 bytes is a cache line and enough for every FFTW codelet. */
+/* Zeroed, aligned memory. 64 bytes are a cache line and enough for every FFTW codelet. */
 #include "haft/base.h"
 
 #include <stdlib.h>

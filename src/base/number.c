@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Decimal numbers in text. strtod() alone also takes hexadecimal numbers, "inf" and "nan", and a
- * decimal comma where the locale has one; here the digits are looked at first, and converted in
- * the C locale. */
+/* Decimal numbers in text. strtod() alone also accepts hexadecimal numbers, "inf" and "nan", and a
+ * decimal comma in some locales. So the syntax is checked first, and the conversion uses the C
+ * locale. */
 #include "haft/base.h"
 
 #include <locale.h>
@@ -11,7 +11,7 @@
 
 static const char DIGITS[] = "0123456789";
 
-/* How many characters of `text` are a decimal number; 0 if it does not begin with one. *zero is
+/* The number of characters of the decimal number at the start of `text`, 0 if there is none. *zero:
  * whether all its digits before the exponent are 0. */
 static size_t measure(const char *text, bool *zero) {
     size_t n = *text == '+' || *text == '-';
@@ -45,7 +45,7 @@ size_t haft_number_scan(const char *text, double *value) {
         uselocale(kept);
         freelocale(plain);
     }
-    /* Too small is as wrong as too large: it would become a 0 that nobody wrote. */
+    /* An underflow is an error like an overflow: it would become a 0 that nobody wrote. */
     *value = end != text + n || (number == 0 && !zero) ? NAN : number;
     return n;
 }

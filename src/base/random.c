@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Counter-based random numbers: Random123's Philox4x64-10 and the normal quantile of AS 241.
- * The quantile rather than Box-Muller: one word gives one number, so a stretch of a stream can be
- * had from anywhere in it, and the middle 85 % need no transcendental function. */
+/* Counter-based random numbers: Random123's Philox4x64-10 and the normal quantile of AS 241. Why
+ * the quantile and not Box-Muller: one word gives one number, so a stream can be entered anywhere,
+ * and the middle 85 % of the numbers need no transcendental function. */
 #include "haft/base.h"
 
 #include <Random123/philox.h>
@@ -18,7 +18,7 @@ void haft_random_words(haft_random_key key, uint64_t realization, uint64_t site,
     }
 }
 
-/* Signed, for that conversion is one instruction. */
+/* Signed, because that conversion is a single instruction. */
 static inline double uniform(uint64_t word) {
     return ((double)(int64_t)(word >> 11) + 0.5) * 0x1p-53;
 }
@@ -126,8 +126,8 @@ enum { BATCH = 256 };
 
 enum { TOGETHER = 4, WORDS = 4 * TOGETHER };
 
-/* Uniforms number first, first + 1, ... of a stream. Several draws are taken together, round by
- * round: they are independent, and one alone leaves the multiplier idle. */
+/* Uniforms of TOGETHER successive draws. Their rounds are interleaved because they are independent,
+ * and a single draw leaves the multiplier idle. */
 HAFT_INLINE void draw_together(haft_random_key key, uint64_t realization, uint64_t site,
                                uint64_t draw, double u[WORDS]) {
     philox4x64_key_t philox_key = {{key.seed, key.purpose}};
@@ -160,8 +160,9 @@ HAFT_INLINE void fill_uniforms(haft_random_key key, uint64_t realization, uint64
     }
 }
 
-/* haft_random_normal_quantile() in passes that compilers vectorise: the middle's rational for all,
- * then the near tail's for those outside the middle, then the rare far tail. */
+/* haft_random_normal_quantile() in passes that compilers vectorise: the rational function of the
+ * middle for all numbers, then that of the near tail for those outside the middle, then the rare
+ * far tail. */
 HAFT_INLINE void fill_quantiles(const double *restrict u, size_t n, double *restrict z) {
     unsigned short tail[BATCH];
     double r[BATCH], near[BATCH];
@@ -200,8 +201,8 @@ HAFT_INLINE void fill_normals(haft_random_key key, uint64_t realization, uint64_
     }
 }
 
-/* The same operations, and so the same bits, four to an instruction where the machine can: no fused
- * multiply-adds here. */
+/* The same operations with AVX2, four per instruction. Multiplies and adds are not fused, so the
+ * bits are the same. */
 #if defined(__x86_64__) && defined(__GNUC__)
 #define HAFT_RANDOM_WIDE
 __attribute__((target("avx2,bmi2"))) static void fill_normals_wide(haft_random_key key,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Text of files and users made safe to show. A name may hold escape sequences that steer a
+/* Makes text from files and users safe to print. A name may contain escape sequences that control a
  * terminal, line breaks that forge a second message, or direction marks that hide its end. */
 #include "haft/base.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities with units. UDUNITS-2 knows units, but its grammar takes far more than one: factors
- * ("nm 2"), origins ("nm since 1990", "K @ 20"), logarithms. So the number and the shape of the
- * unit are read here, and the library is asked only for what a plain unit means. Its own messages,
- * which go to standard error by default, are turned off. */
+/* Quantities with units. The grammar of UDUNITS-2 accepts far more than plain units: factors ("nm
+ * 2"), origins ("nm since 1990", "K @ 20"), logarithms. So the number and the syntax of the unit
+ * are checked here, and the library only converts plain units. Its own messages, which go to
+ * standard error by default, are turned off. */
 #include "haft/base.h"
 
 #include <ctype.h>
@@ -18,7 +18,7 @@ enum { UNIT_CAPACITY = 128 };
 
 struct haft_units {
     ut_system *system;
-    locale_t plain; /* the library reads numbers of its database in the current locale */
+    locale_t plain; /* C; the library reads the numbers of its database in the current locale */
 };
 
 haft_status haft_units_create(haft_units **out, haft_error *error) {
@@ -59,9 +59,9 @@ void haft_units_destroy(haft_units **units) {
     }
 }
 
-/* ---- the shape of a unit ---- */
+/* ---- the syntax of a unit ---- */
 
-/* Length of the first of some byte sequences that `text` begins with, 0 if it begins with none. */
+/* Length of the first of the byte sequences that `text` starts with, 0 if it starts with none. */
 static size_t begins_with(const char *text, const char *const *sequences) {
     for (size_t i = 0; sequences[i] != NULL; i++) {
         size_t n = strlen(sequences[i]);
@@ -89,7 +89,7 @@ static size_t skip_letter(const char *text) {
     return ascii ? 1 : begins_with(text, signs);
 }
 
-/* "2", "-1", "^2", "^-1", or the same in superscript; 0 where there is no power. */
+/* "2", "-1", "^2", "^-1", or the same in superscript; 0 if there is no power. */
 static size_t skip_power(const char *text) {
     static const char *const raised[] = {"\xe2\x81\xbb", "\xe2\x81\xb0", "\xc2\xb9",
                                          "\xc2\xb2",     "\xc2\xb3",     "\xe2\x81\xb4",
@@ -108,7 +108,7 @@ static size_t skip_power(const char *text) {
     return digits > 0 ? n + digits : 0;
 }
 
-/* What UDUNITS-2 takes as the word before an origin. */
+/* Whether UDUNITS-2 would read this word as the start of an origin. */
 static bool is_origin_word(const char *text, size_t n) {
     static const char *const words[] = {"since", "after", "from", "ref", "re"};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
@@ -119,14 +119,14 @@ static bool is_origin_word(const char *text, size_t n) {
     return false;
 }
 
-/* What a name is joined to the next one by: blanks, a point, a slash. */
+/* The separator between two names: blanks, a point, an asterisk or a slash. */
 static size_t skip_sign(const char *text) {
     static const char *const signs[] = {"/", "*", ".", "\xc2\xb7", NULL};
     size_t before = skip_blanks(text), sign = begins_with(text + before, signs);
     return before + sign + (sign > 0 ? skip_blanks(text + before + sign) : 0);
 }
 
-/* How much of `text` is the name of a unit and its power; 0 if it begins with none. */
+/* Length of the unit name and its power at the start of `text`; 0 if there is none. */
 static size_t skip_name(const char *text) {
     size_t n = 0, digits;
     for (size_t more = skip_letter(text); more > 0; more = skip_letter(text + n)) {
@@ -137,13 +137,13 @@ static size_t skip_name(const char *text) {
     return n == 0 || is_origin_word(text, n) ? 0 : n + skip_power(text + n);
 }
 
-/* Names joined by signs, in parentheses or not, and nothing else: no number but powers and the 1 of
- * "1/um". @return where the text is not so, NULL if it is. */
+/* Checks that a text consists only of names, separators and parentheses, with no numbers but powers
+ * and the 1 of "1/um". @return the place of the first error, NULL if there is none. */
 static const char *find_fault(const char *text) {
     const char *at = text + (strncmp(text, "1/", 2) == 0 ? 2 : 0);
     bool per_cent = strchr(text, '%') != NULL;
     if (per_cent && text[1] != '\0') {
-        return text[0] == '%' ? text + 1 : strchr(text, '%'); /* a share has no other unit */
+        return text[0] == '%' ? text + 1 : strchr(text, '%'); /* a percentage has no other unit */
     }
     size_t open = 0;
     while (true) {
@@ -169,7 +169,7 @@ static const char *find_fault(const char *text) {
     }
 }
 
-/* Whether radians are in a unit, which UDUNITS-2 takes for pure numbers. */
+/* Whether a unit contains radians, which UDUNITS-2 treats as dimensionless. */
 static bool has_angle(const ut_unit *unit, haft_status *status) {
     char text[256] = "";
     int n = ut_format(unit, text, sizeof text, UT_ASCII | UT_DEFINITION);
@@ -177,8 +177,8 @@ static bool has_angle(const ut_unit *unit, haft_status *status) {
     return n > 0 && (size_t)n < sizeof text && strstr(text, "rad") != NULL;
 }
 
-/* Of the same dimension; not of the inverse one, which UDUNITS-2 converts too, and an angle is no
- * share. *status says where memory failed. */
+/* Whether two units have the same dimension. UDUNITS-2 would also convert inverse dimensions, and
+ * angles to pure numbers; both are refused here. *status reports a failed allocation. */
 static bool agree(const ut_unit *from, const ut_unit *to, haft_status *status) {
     if (ut_is_dimensionless(to) && has_angle(from, status) != has_angle(to, status)) {
         return false;
@@ -228,7 +228,7 @@ static haft_status convert(const haft_units *units, double number, const char *g
     exhausted = exhausted || ut_get_status() == UT_OS;
     uselocale(kept);
     if (exhausted) {
-        /* what UDUNITS-2 returns then cannot always be freed */
+        /* results of UDUNITS-2 cannot always be freed after this */
         return no_memory(text, error);
     }
     if (to == NULL) {
@@ -248,7 +248,7 @@ static haft_status convert(const haft_units *units, double number, const char *g
 
 /* ---- a quantity ---- */
 
-/* What is wrong with a text whose number does not end where a number may; NULL if it does. */
+/* What is wrong with the characters that follow a number; NULL if they may follow one. */
 static const char *fault_of_number(const char *end) {
     if (*end == '\0') {
         return NULL;
@@ -283,7 +283,7 @@ static haft_status read_number(const char *text, double *number, const char **en
     return HAFT_OK;
 }
 
-/* The unit behind the number, without blanks about it, is one plain unit. */
+/* Checks that the text after the number, without surrounding blanks, is one plain unit. */
 static haft_status check_unit(const char *given, const char *text, const char *wanted,
                               haft_error *error) {
     const char *fault = find_fault(given);
@@ -302,8 +302,8 @@ static haft_status check_unit(const char *given, const char *text, const char *w
                           pure ? "at most a %" : "a unit that converts to ", pure ? "" : wanted);
 }
 
-/* The unit behind the number with plain spaces in place of blanks, none at its end. @return its
- * length in the text, without those. */
+/* Copies the unit, with a space for each blank and without trailing blanks. @return its length in
+ * the text, without trailing blanks */
 static size_t copy_unit(char given[UNIT_CAPACITY], const char *text) {
     size_t length = 0, used = 0, n = 0;
     while (text[n] != '\0') {
