@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The autocorrelation by transforms of the zero-padded map, and the pairs behind each lag by the
- * same transforms of the mask: their ratio is unbiased but for the mean's own error, whatever is
- * missing. */
+/* The autocorrelation by Fourier transforms of the zero-padded map, and the number of pairs at each
+ * lag by the same transforms of the mask. For any missing pixels their ratio is unbiased, except
+ * for the error of the mean. */
 #include "autocorrelation.h"
 
 #include <complex.h>
 #include <fftw3.h>
 #include <math.h>
 
-/* |transform|^2 of a padded real field, in place, back to correlation sums. */
+/* Replaces a padded real field by its correlation sums, the inverse transform of |transform|^2. */
 static haft_status correlate(double *field, size_t rows, size_t columns, haft_error *error) {
     size_t half = columns / 2 + 1;
     fftw_complex *spectrum = haft_memory_alloc(rows * half, sizeof *spectrum, error);

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The radial PSD of height maps: means over rings of the windowed spectra, missing pixels filled.
- */
+/* The radial PSD of height maps: ring means of the windowed spectra, with missing pixels filled. */
 #include "spectrum.h"
 
 #include <math.h>
 
-/* Modes up to the map's own shorter Nyquist wave number. */
+/* Modes are used up to the smaller of the map's Nyquist wave numbers. */
 static double band_of(const haft_map *map) {
     return M_PI / fmax(map->step_row, map->step_column) * (1 + 1e-12);
 }
 
-/* A map with holes is filled first; what is drawn there tells nothing, so that its modes count by
- * the square of the share of the window's weight that is known. */
+/* A map with missing pixels is filled first. The drawn heights carry no information, so the map's
+ * modes are weighted by the square of the known share of the window's weight. */
 static haft_status enter_filled(haft_rings *r, const haft_map *map, haft_window window,
                                 haft_error *error) {
     haft_map *filled = NULL;

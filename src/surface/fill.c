@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Heights drawn for missing pixels. Each is normal with the mean and variance that the nearest
- * known heights give it under the covariance of the map's own PSD; once drawn, it is known itself.
+/* Draws heights for missing pixels. Each is normal, with mean and variance conditional on the
+ * nearest known heights under the covariance of the map's own PSD; once drawn, it counts as known.
  * Coarse grids are drawn first, so that a wide hole gets its long waves before its short ones. The
- * covariance is the transform of the radial PSD of the map as filled before, out to the corners of
- * the plane of wave vectors, on the map's own lattice: it repeats with the map's period, which is
- * no matter for neighbours. The first pass, which has no PSD yet, takes zeta^-3.6 and draws nothing
- * but means. A wrong guess of the PSD is forgotten by about the share of missing pixels a pass. */
+ * covariance is the transform of the radial PSD of the map as filled in the pass before, up to the
+ * corners of the plane of wave vectors, on the map's own lattice. It is periodic with the map,
+ * which does not matter for neighbours. The first pass has no PSD yet: it uses zeta^-3.6 and draws
+ * only means. Each pass reduces the effect of a wrong first guess to about the share of missing
+ * pixels. */
 #include "spectrum.h"
 
 #include <fftw3.h>
@@ -15,11 +16,12 @@
 
 enum { NEIGHBOURS = 24, REACH_MOST = 48, LEVELS = 6 };
 static const double GUESS_EXPONENT = -3.6;
-static const double REDUNDANT = 1e-11; /* of the variance: what a neighbour must add */
+static const double REDUNDANT =
+    1e-11; /* share of the variance; with less conditional variance a neighbour is redundant */
 
 typedef struct place {
     size_t pixel;
-    uint64_t order; /* the least first */
+    uint64_t order; /* drawn in increasing order */
 } place;
 
 typedef struct offset {
@@ -30,12 +32,12 @@ typedef struct offset {
 typedef struct filling {
     haft_map *map;
     size_t missing;
-    place *place;         /* missing, in the order they are drawn */
-    size_t offsets;       /* of neighbours, the nearest first */
-    offset *offset;       /* offsets */
-    unsigned char *known; /* pixels */
-    double *covariance;   /* rows x 2 (columns/2 + 1), as FFTW makes it in place */
-    size_t stride;        /* of its rows */
+    place *place;         /* missing of them, in drawing order */
+    size_t offsets;       /* to neighbours */
+    offset *offset;       /* offsets of them, the nearest first */
+    unsigned char *known; /* of each pixel */
+    double *covariance;   /* rows x 2 (columns/2 + 1), the layout of FFTW's in-place transform */
+    size_t stride;        /* of the covariance's rows */
 } filling;
 
 size_t haft_map_count_missing(const haft_map *map) {
@@ -61,7 +63,7 @@ static int compare_offsets(const void *a, const void *b) {
                             : (x->column > y->column) - (x->column < y->column);
 }
 
-/* Coarse grids first; by chance inside one. */
+/* Coarse grids first; in random order within a grid. */
 static void order_places(filling *f) {
     haft_random_key key = {0, HAFT_RANDOM_MISSING_PIXELS};
     size_t n = 0;
@@ -104,8 +106,9 @@ static double covariance_at(const filling *f, long i, long j) {
 
 /* ---- one height ---- */
 
-/* A triangular factor of the neighbours' covariance, which grows a neighbour at a time; `cross` and
- * `height` are their covariance with the pixel and their heights, solved by it. */
+/* A Cholesky factor of the neighbours' covariance, extended by one neighbour at a time. `cross` and
+ * `height` are the neighbours' covariances with the pixel and their heights, after forward
+ * substitution with it. */
 typedef struct factor {
     int n;
     long row[NEIGHBOURS], column[NEIGHBOURS];
@@ -160,7 +163,7 @@ static void condition(const filling *f, size_t pixel, double *mean, double *vari
     }
 }
 
-/* Draws all missing heights anew; the first pass only their means. */
+/* Redraws all missing heights; the first pass sets them to their means. */
 static void draw_heights(filling *f, uint64_t pass) {
     haft_random_key key = {0, HAFT_RANDOM_MISSING_PIXELS};
     for (size_t k = 0; k < f->missing; k++) {
@@ -178,7 +181,7 @@ static void draw_heights(filling *f, uint64_t pass) {
 
 /* ---- the covariance ---- */
 
-/* The PSD of the map as it is filled, out to the corners; NULL if it has no power. */
+/* The PSD of the filled map, up to the corners of the plane of wave vectors. */
 static haft_status take_psd(haft_psd_table **psd, const filling *f, haft_error *error) {
     const haft_map *map = f->map;
     haft_rings rings = {.n = 0};
@@ -195,15 +198,15 @@ static haft_status take_psd(haft_psd_table **psd, const filling *f, haft_error *
     return status;
 }
 
-/* s where there is a PSD, a power law where there is none yet. */
+/* s of the PSD, or of a power law if there is no PSD yet. */
 static double power_at(const haft_psd_table *psd, double zeta, double least) {
     return psd != NULL
                ? haft_psd_table_value(psd, fmin(fmax(zeta, psd->zeta[0]), psd->zeta[psd->n - 1]))
                : pow(fmax(zeta, least) / least, GUESS_EXPONENT);
 }
 
-/* Sum over the lattice's modes of s cos(k r) times a mode's cell; a guess has any factor, since it
- * gives nothing but means. */
+/* The covariance: sum over the lattice's modes of s cos(k r) times the area of a mode's cell. The
+ * factor of the first guess does not matter, since only means depend on it. */
 static haft_status take_covariance(filling *f, const haft_psd_table *psd, haft_error *error) {
     const haft_map *map = f->map;
     size_t rows = map->rows, columns = map->columns;
@@ -229,7 +232,7 @@ static haft_status take_covariance(filling *f, const haft_psd_table *psd, haft_e
     return HAFT_OK;
 }
 
-/* ---- all together ---- */
+/* ---- the passes ---- */
 
 static haft_status run_passes(filling *f, haft_error *error) {
     double share = (double)f->missing / (double)(f->map->rows * f->map->columns);
@@ -261,7 +264,7 @@ static haft_status allocate(filling *f, long reach, haft_error *error) {
                : HAFT_ERROR_MEMORY;
 }
 
-/* Adds to the heights that are there. */
+/* Adds a constant to the known heights, or to all (known == NULL). */
 static void shift(haft_map *map, const unsigned char *known, double by) {
     for (size_t k = 0; k < map->rows * map->columns; k++) {
         map->z[k] += known == NULL || known[k] ? by : 0;

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Surfaces by overlap-save convolution of lattice noise, and zero-padded interpolation.
  *
- * Cell (r, c) of the lattice, r along the beam from its corner and c across it, holds number
- * COLUMN_ORIGIN + c of the stream whose counter is (realization, stream * 2^32 + ROW_ORIGIN + r):
- * any stretch of any row can be drawn alone, and the origins leave room for the halo's negative
- * indices. A block's noise is transformed across, then, a tile of columns at a time, along the
- * beam, multiplied by the kernel's transform and brought back to fine rows, of which the halo's
- * are dropped. Wave numbers beyond the lattice's band take the noise's periodic images, so that
- * the kernel acts as it is, compact, and blocks join to round-off. The transform back across the
- * beam waits until rows are asked for; the fine block never exists at once.
+ * Cell (r, c) of the lattice, with r along the beam from its corner and c across it, contains
+ * number COLUMN_ORIGIN + c of the stream with counter (realization, stream * 2^32 + ROW_ORIGIN +
+ * r). So any part of any row can be drawn alone. The origins leave room for the negative indices of
+ * the halo. A block's noise is transformed across the beam. Then, one tile of columns at a time, it
+ * is transformed along the beam, multiplied by the kernel's transform and transformed back to fine
+ * rows; those of the halo are dropped. Wave numbers beyond the lattice's band use the periodic
+ * images of the noise spectrum. So the kernel stays compact, and blocks join to round-off. The
+ * inverse transform across the beam is done when rows are requested; the fine block is never stored
+ * as a whole.
  *
  * Limits: streams below 2^32, lattice rows within 2^31 of the corner. */
 #include "surface/marginal.h"
@@ -24,7 +25,7 @@ struct haft_surface_work {
     bool prepared;
     surface_sizes sizes;
     fftw_complex *field;        /* [lattice or fine rows][field_columns] */
-    fftw_complex *noise, *tile; /* [SURFACE_TILE][lattice rows] before and after transform */
+    fftw_complex *noise, *tile; /* [SURFACE_TILE][lattice rows] before and after the transform */
     fftw_complex *product;      /* [fine rows] */
     fftw_complex *spread;       /* [SURFACE_TILE][fine rows] */
     fftw_complex *row_complex;
@@ -71,13 +72,13 @@ void haft_surface_work_destroy(haft_surface_work **work) {
     *work = NULL;
 }
 
-/* Columns of the noise's half spectrum that are kept. */
+/* Number of columns kept of the noise's half spectrum. */
 static size_t source_columns(const haft_surface_plan *plan) {
     size_t half = plan->across.lattice / 2;
     return (plan->across.cut < half ? plan->across.cut : half) + 1;
 }
 
-/* Noise of the block's lattice rows, halo included, transformed across the beam. */
+/* The noise of the block's lattice rows, including the halo, transformed across the beam. */
 static void transform_noise(haft_surface_work *work, uint64_t realization, uint64_t stream,
                             long first) {
     const haft_surface_plan *plan = work->plan;
@@ -100,8 +101,8 @@ static void transform_noise(haft_surface_work *work, uint64_t realization, uint6
     }
 }
 
-/* Kernel times noise spectrum, for one column of fine wave numbers. `mirrored` takes the noise at
- * the opposite wave number, conjugate: its column beyond the half spectrum. */
+/* Kernel times noise spectrum for one column of fine wave numbers. If `mirrored`, the column is
+ * beyond the half spectrum, and its noise is the conjugate at the opposite wave number. */
 static void multiply_column(const haft_surface_plan *plan, const fftw_complex *noise, size_t n,
                             bool mirrored, fftw_complex *out) {
     size_t lattice = plan->along.lattice, fine = plan->along.fine, top = plan->disc[n];
@@ -124,7 +125,7 @@ static void multiply_column(const haft_surface_plan *plan, const fftw_complex *n
     }
 }
 
-/* Fine rows of the block from the spectra in work->spread, written to columns first..first + n. */
+/* Copies the block's fine rows from work->spread to columns [first, first + n) of the field. */
 static void scatter_rows(haft_surface_work *work, size_t first, size_t n) {
     const haft_surface_plan *plan = work->plan;
     size_t fine = plan->along.fine, offset = plan->halo * plan->ratio;
@@ -136,9 +137,9 @@ static void scatter_rows(haft_surface_work *work, size_t first, size_t n) {
     }
 }
 
-/* The part of multiply_column, inverse transform and scatter_rows for the noise columns of a tile,
- * [first, first + n), seen as columns base + first... (mirrored: base - first - n + 1...) of the
- * fine spectrum, as far as those lie inside it and are not seen already. */
+/* multiply_column(), inverse transform and scatter_rows() for the noise columns [first, first + n)
+ * of a tile. They become columns base + first... (mirrored: base - first - n + 1...) of the fine
+ * spectrum, unless these are beyond its cut or were done already. */
 static void emit_tile(haft_surface_work *work, size_t first, size_t n, size_t base, bool mirrored) {
     const haft_surface_plan *plan = work->plan;
     size_t half = plan->across.lattice / 2, cut = plan->across.cut;

@@ -2,15 +2,15 @@
 /* The kernel K(r) = h int_0^zeta_max sqrt(s(k)) J0(k r) k dk (h: lattice step), whose sum of
  * squares over the lattice is the variance m0, times a taper w(r).
  *
- * The plateau's share is a closed form, the power law's is Gauss-Legendre in panels of at most 80
- * radians; K is kept in a table of spacing 0.2/zeta_max and read by 12-point Lagrange
- * interpolation, good to some 1e-13 of what it interpolates.
+ * The plateau's part is a closed form; the power law's is computed by Gauss-Legendre quadrature in
+ * panels of at most 80 radians. K is tabulated with spacing 0.2/zeta_max and read by 12-point
+ * Lagrange interpolation, with a relative error of about 1e-13.
  *
- * The taper is 1 up to 0.6 of the reach R, then 1 minus the normalised integral of the bump
- * exp(beta (sqrt(1 - x^2) - 1)) stretched over [0.6 R, R] (Barnett, Magland and af Klinteberg
- * 2019). With beta = 24 the bump's spectrum is exp(-24) = 4e-11 beyond beta / half-width, so the
- * sharp end of the PSD, 1e-3 to 1e-2 of its plateau's square root, is smeared over smear = 5 beta /
- * R and what lies further is lost in round-off: blocks join to 1e-13 of the rms. */
+ * The taper is 1 up to 0.6 of the reach R. Beyond, it is 1 minus the normalised integral of the
+ * bump exp(beta (sqrt(1 - x^2) - 1)), stretched over [0.6 R, R] (Barnett, Magland and af Klinteberg
+ * 2019). With beta = 24 the bump's spectrum is exp(-24) = 4e-11 beyond beta / half-width. So the
+ * sharp end of the PSD, where its root is 1e-3 to 1e-2 of the plateau's, is smeared over smear = 5
+ * beta / R; what is beyond is below round-off, and blocks join to 1e-13 of the rms. */
 #include "surface/kernel.h"
 
 #include <gsl/gsl_integration.h>
@@ -25,7 +25,8 @@ static const double PANEL_PHASE = 80;
 static const double TABLE_PHASE = 0.2;
 static const double LONGEST_PHASE = 4000; /* zeta_max times the longest reach allowed */
 
-/* Nodes k and weights w sqrt(s) k dk of the power law's panels, fit for radii up to `radius`. */
+/* Nodes k and weights w sqrt(s) k dk of the power law's panels, accurate for radii up to
+ * `radius`. */
 static size_t power_law_nodes(const haft_psd *psd, const gsl_integration_glfixed_table *rule,
                               double radius, double *node, double *weight) {
     double span = psd->zeta_max - psd->zeta_0;
@@ -45,14 +46,14 @@ static size_t power_law_nodes(const haft_psd *psd, const gsl_integration_glfixed
     return n;
 }
 
-/* Panels for the stretch between points k and k + 1. */
+/* Number of panels between points k and k + 1. */
 static size_t table_panels(const haft_psd_table *table, size_t k, double radius) {
     double span = table->zeta[k + 1] - table->zeta[k];
     return 1 + (size_t)(span * radius / PANEL_PHASE) + (size_t)(span / table->zeta[k]);
 }
 
-/* The same for a PSD by points: its stretches between points, which are powers, in panels that are
- * short for the wave and for the power. */
+/* The same for a table, which is a power law between points. The panels are short enough for the
+ * oscillation and for the power. */
 static size_t table_nodes(const haft_psd_table *table, const gsl_integration_glfixed_table *rule,
                           double radius, double *node, double *weight) {
     size_t n = 0;
@@ -77,7 +78,7 @@ static double plateau_share(const haft_psd *psd, double r) {
     return sqrt(psd->s_0) * psd->zeta_0 * psd->zeta_0 * shape;
 }
 
-/* Fills table[first..n) with the bare kernel. */
+/* Fills table[first..n) with the kernel without taper. */
 static haft_status fill_table(const surface_kernel *kernel, const surface_radial *radial,
                               size_t first, size_t n, haft_error *error) {
     const haft_psd *psd = &radial->psd;
@@ -162,8 +163,8 @@ static void fill_taper(const surface_kernel *kernel, double reach,
     }
 }
 
-/* Share of the kernel's energy that a taper leaves out, by Boole's rule on the table; the whole is
- * known from Parseval: int K^2 = h^2 m0. */
+/* Share of the kernel's energy that a taper removes, by Boole's rule on the table; the total is int
+ * K^2 = h^2 m0, by Parseval. */
 static double taper_loss(const surface_kernel *kernel, const surface_radial *radial,
                          const double *taper) {
     static const double weight[4] = {14, 32, 12, 32};
@@ -177,7 +178,7 @@ static double taper_loss(const surface_kernel *kernel, const surface_radial *rad
     return 1 - energy / (h * h * haft_surface_radial_variance(radial));
 }
 
-/* The fewest lattice steps whose loss is within the tolerance, given that `most` are enough. */
+/* The smallest halo in lattice steps whose loss is within the tolerance, if that of `most` is. */
 static size_t shortest_halo(const surface_kernel *kernel, const surface_radial *radial, size_t most,
                             double tolerance, const gsl_integration_glfixed_table *rule,
                             double *taper) {
@@ -265,7 +266,7 @@ double haft_surface_kernel_value(const surface_kernel *kernel, double r) {
                                           1.0 / 725760,    -1.0 / 3628800, 1.0 / 39916800};
     double at = r / kernel->spacing;
     long first = (long)at - (STENCIL / 2 - 1);
-    double x = at - (double)first; /* between 5 and 6 */
+    double x = at - (double)first; /* from 5 to 6 */
     double below[STENCIL], above[STENCIL];
     below[0] = above[STENCIL - 1] = 1;
     for (int i = 1; i < STENCIL; i++) {

@@ -12,16 +12,17 @@ typedef struct surface_kernel {
     double *table;       /* kernel times taper at r = i * spacing [m] */
     size_t halo;         /* reach in lattice steps */
     double reach;        /* halo * lattice_step [m] */
-    double loss;         /* energy taken by the taper, relative */
+    double loss;         /* share of the energy that the taper removes */
     double smear;        /* half-width of the taper's spectrum [rad/m] */
 } surface_kernel;
 
-/* Builds the kernel with the smallest whole reach whose loss is at most `tolerance`. */
+/* Builds the kernel with the smallest reach, in whole lattice steps, whose loss is at most
+ * `tolerance`. */
 haft_status haft_surface_kernel_create(surface_kernel *kernel, const surface_radial *radial,
                                        double lattice_step, double tolerance, haft_error *error);
 void haft_surface_kernel_destroy(surface_kernel *kernel);
 
-/* The tapered kernel at distance r >= 0 [m]: zero from the reach on. */
+/* The tapered kernel at distance r >= 0 [m]; zero from the reach on. */
 double haft_surface_kernel_value(const surface_kernel *kernel, double r);
 
 #endif

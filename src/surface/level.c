@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is done to a map before it is believed: levelling by least squares (normal equations of
- * monomials in coordinates from -1 to 1, solved by Cholesky), and masking of particles by a robust
- * threshold. */
+/* Cleaning of maps: levelling by least squares (normal equations of monomials in coordinates from
+ * -1 to 1, solved by Cholesky factorization), and masking of particles by a robust threshold. */
 #include "haft/surface_map.h"
 
 #include <math.h>
@@ -12,7 +11,8 @@ enum { TERMS_MOST = 6 };
 /* Powers of x and y in the terms 1, x, y, x^2, xy, y^2. */
 static const int POWER_X[TERMS_MOST] = {0, 1, 0, 2, 1, 0}, POWER_Y[TERMS_MOST] = {0, 0, 1, 0, 1, 2};
 
-/* Solves the normal equations in place by Cholesky; false if the pixels do not tell the terms. */
+/* Solves the normal equations in place by Cholesky factorization; false if the pixels do not
+ * determine the terms. */
 static bool solve(double *a, double *b, size_t terms) {
     for (size_t k = 0; k < terms; k++) {
         double *row = a + k * TERMS_MOST, whole = row[k];
@@ -44,7 +44,7 @@ static double coordinate(size_t i, size_t n) {
     return (2.0 * (double)i - (double)(n - 1)) / (double)(n - 1);
 }
 
-/* Of a line's pixels that are there: sums of x^p, and of x^p z. */
+/* Sums of x^p and of x^p z over a line's present pixels. */
 typedef struct line_sums {
     double x[5], z[3];
 } line_sums;
@@ -66,7 +66,7 @@ static line_sums sum_line(const double *z, const double *x, size_t n) {
     return s;
 }
 
-/* Takes the best combination of the first `terms` monomials off rows [first, end). */
+/* Subtracts the best fit of the first `terms` monomials from rows [first, end). */
 static haft_status take_off(haft_map *map, const double *x, size_t first, size_t end, size_t terms,
                             haft_error *error) {
     double matrix[TERMS_MOST * TERMS_MOST] = {0}, right[TERMS_MOST] = {0};
@@ -98,8 +98,8 @@ static haft_status take_off(haft_map *map, const double *x, size_t first, size_t
     return HAFT_OK;
 }
 
-/* Takes each line's own mean and slope off. A line of one pixel has no slope, and its height cannot
- * be compared with others': the pixel becomes a missing one. */
+/* Subtracts mean and slope of each line. A line with a single pixel has no slope, and its height
+ * cannot be compared with other lines, so the pixel becomes missing. */
 static haft_status level_lines(haft_map *map, const double *x, haft_error *error) {
     haft_status status = HAFT_OK;
     size_t levelled = 0;
@@ -151,12 +151,13 @@ static double median_of(double *value, size_t n) {
     return n % 2 == 1 ? value[n / 2] : 0.5 * (value[n / 2 - 1] + value[n / 2]);
 }
 
-/* The step that heights are rounded to, 0 where none shows. From pixel to pixel along a line, such
- * heights change by a whole multiple of it, and by what levelling took off, which is nearly the
- * same all along the line. So the changes, less their median, vanish or are a step at least. `work`
- * is overwritten. */
+/* The step that heights are rounded to, 0 if none is found. From pixel to pixel along a line,
+ * rounded heights change by a multiple of the step, plus what levelling subtracted, which is nearly
+ * constant along the line. So the changes minus their median are either almost zero or at least a
+ * step. `work` is overwritten. */
 static double find_step(const haft_map *map, double *work) {
-    static const double JUMP = 1e4, SHARE = 0.01; /* from rounding to a step; what must vanish */
+    static const double JUMP = 1e4,
+                        SHARE = 0.01; /* ratio of a step to rounding errors; least share of zeros */
     size_t n = 0;
     for (size_t i = 0; i < map->rows; i++) {
         const double *z = map->z + i * map->columns;
@@ -229,7 +230,8 @@ haft_status haft_map_clean(haft_map *map, const haft_clean_spec *spec, haft_clea
                            haft_error *error) {
     haft_clean_facts found = {0};
     haft_status status = haft_map_level(map, spec->level, error);
-    found.missing = haft_map_count_missing(map); /* with those that levelling by lines gave up */
+    found.missing =
+        haft_map_count_missing(map); /* including those that levelling by lines removed */
     if (status == HAFT_OK && spec->outlier_limit > 0) {
         status = haft_map_mask(map, spec->outlier_limit, &found.masked, error);
         if (status == HAFT_OK) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Height maps and their statistics. Moments are two-pass sums over the pixels that are there, so a
- * large mean costs no digits. Slopes are central differences and curvatures second differences,
- * each where all its pixels are there: they know nothing of waves shorter than two pixels and damp
- * those of a few. The autocorrelation is that of the zero-padded map over the number of pairs at
- * each lag, had by the same transforms of the mask, so it is unbiased but for the mean's own error.
- */
+/* Height maps and their statistics. Moments are two-pass sums over the present pixels, so a large
+ * mean costs no digits. Slopes are central differences and curvatures second differences, each
+ * where all its pixels are present. They cannot resolve waves shorter than two pixels, and damp
+ * waves of a few pixels. The autocorrelation is that of the zero-padded map over the number of
+ * pairs at each lag, from the same transforms of the mask, so it is unbiased except for the error
+ * of the mean. */
 #include "autocorrelation.h"
 
 #include <math.h>
@@ -83,7 +83,8 @@ static haft_status take_moments(haft_map_statistics *s, const haft_map *map, haf
         }
     }
     m2 /= (double)s->pixels;
-    if (s->pixels < 4 || !(s->greatest > s->least) || !(m2 > 0)) { /* m2 may be rounding */
+    if (s->pixels < 4 || !(s->greatest > s->least) ||
+        !(m2 > 0)) { /* m2 of equal heights may be rounding */
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "the map has %zu pixels and a variance of %g m^2: there is no "
                               "roughness to be read from it",
@@ -117,7 +118,7 @@ static void difference(const haft_map *map, size_t stride, size_t along, size_t 
     *curvature = n > 0 ? second / (double)n : NAN;
 }
 
-/* First radius where the ring means of sum/pairs fall below 1/e of that at no lag. */
+/* The smallest radius at which the ring mean of sum/pairs falls below 1/e of its value at lag 0. */
 static double falling_radius(const haft_map *map, const double *sum, const double *pairs,
                              size_t padded) {
     double step = fmax(map->step_row, map->step_column);

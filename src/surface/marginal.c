@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Distributions of heights as transformations of a normal number, kept as a table with monotone
- * cubic pieces (slopes by harmonic means, Fritsch and Butland 1984), straight beyond 8.5
- * deviations, where no number falls. Johnson's two shape parameters are found by nested bisection:
- * at a given spread parameter the skewness grows with the shift, and along the shifts of one
- * skewness the kurtosis is monotone in the spread. The moments of the bounded kind are sums over an
- * even grid of normal numbers, which converge exponentially. */
+/* Distributions of heights as transformations of a normal number. They are tabulated with monotone
+ * cubic pieces (slopes by harmonic means, Fritsch and Butland 1984), and linear beyond 8.5 standard
+ * deviations, where no number falls. Nested bisection finds Johnson's two shape parameters: for a
+ * given spread the skewness grows with the shift, and for a given skewness the kurtosis is monotone
+ * in the spread. The moments of the bounded family are sums over a uniform grid of normal numbers,
+ * which converge exponentially. */
 #include "surface/marginal.h"
 
 #include <gsl/gsl_cdf.h>
@@ -14,7 +14,8 @@
 
 enum { HEIGHTS_LEAST = 100, HALVINGS = 80, SUM_POINTS = 1801 };
 static const double SUM_REACH = 9;
-static const double LEAST_SPREAD = 0.05; /* of the bounded kind: sharper ones are two points */
+static const double LEAST_SPREAD =
+    0.05; /* of the bounded family; below it the heights are nearly two points */
 static const double SKEWNESS_MOST = 20, KURTOSIS_MOST = 2000;
 static const double TAIL = 0.01;
 
@@ -28,7 +29,7 @@ static double normal_density(double g) {
     return exp(-0.5 * g * g) / sqrt(2 * M_PI);
 }
 
-/* Mean 0 and variance 1, by the trapezoidal rule; false if there is no variance. */
+/* Scales to mean 0 and variance 1, by the trapezoidal rule; false if there is no variance. */
 static bool standardise(haft_marginal *m) {
     double h = 2 * MARGINAL_REACH / (MARGINAL_KNOTS - 1), weight = 0, mean = 0, square = 0;
     for (size_t i = 0; i < MARGINAL_KNOTS; i++) {
@@ -63,8 +64,8 @@ static void fill_slopes(haft_marginal *m) {
     }
 }
 
-/* Coefficients on the normalised Hermite polynomials; what the kept ones lack is given to them in
- * proportion, so that a correlation of 1 stays 1. */
+/* Squares of the coefficients of normalised Hermite polynomials. They are scaled to sum to 1 in
+ * spite of the truncation, so that a correlation of 1 stays 1. */
 static void fill_energy(haft_marginal *m) {
     double h = 2 * MARGINAL_REACH / (MARGINAL_KNOTS - 1), coefficient[MARGINAL_TERMS] = {0},
            sum = 0;
@@ -141,7 +142,8 @@ typedef struct shape {
     double skewness, kurtosis;
 } shape;
 
-/* Of sinh((g + shift) / spread), w = exp(1 / spread^2), omega = shift / spread >= 0. */
+/* The shape of sinh((g + shift) / spread), with w = exp(1 / spread^2) and omega = shift / spread >=
+ * 0. */
 static shape unbounded_shape(double w, double omega) {
     double variance = 0.5 * (w - 1) * (w * cosh(2 * omega) + 1);
     double third =
@@ -152,10 +154,10 @@ static shape unbounded_shape(double w, double omega) {
     return (shape){third / pow(variance, 1.5), fourth / (variance * variance)};
 }
 
-/* Of 1 / (1 + exp(-(g - shift) / spread)). */
+/* The shape of 1 / (1 + exp(-(g - shift) / spread)). */
 static shape bounded_shape(double spread, double shift) {
     double value[SUM_POINTS], weight = 0, mean = 0, second = 0, third = 0, fourth = 0;
-    /* heights over the least of them, in a scale that does not vanish */
+    /* the heights times exp(shift / spread), so that they do not underflow */
     for (int i = 0; i < SUM_POINTS; i++) {
         double g = -SUM_REACH + 2 * SUM_REACH * i / (SUM_POINTS - 1), w = exp(-0.5 * g * g);
         value[i] = 1 / (exp(-shift / spread) + exp(-g / spread));
@@ -174,7 +176,7 @@ static shape bounded_shape(double spread, double shift) {
     return (shape){third / pow(second, 1.5), fourth / (second * second)};
 }
 
-/* The shift that gives a spread this skewness. */
+/* The omega that gives this skewness for a given spread. */
 static double find_omega(double w, double skewness) {
     double low = 0, high = 60;
     for (int i = 0; i < HALVINGS; i++) {
@@ -193,7 +195,7 @@ static double find_shift(double spread, double skewness) {
     return skewness == 0 ? 0 : 0.5 * (low + high);
 }
 
-/* exp(1/spread^2) of the lognormal distribution of a skewness. */
+/* exp(1/spread^2) of the lognormal distribution with this skewness. */
 static double lognormal_w(double skewness) {
     double low = 1, high = 2 + skewness * skewness;
     for (int i = 0; i < HALVINGS; i++) {
@@ -221,7 +223,7 @@ static void fill_unbounded(haft_marginal *m, double least_w, shape wanted, doubl
     }
 }
 
-/* False if even the sharpest is not as flat as wanted. */
+/* False if the kurtosis at the smallest spread exceeds the wanted one. */
 static bool fill_bounded(haft_marginal *m, double most_spread, shape wanted, double sign) {
     double low = log(LEAST_SPREAD), high = log(most_spread);
     if (bounded_shape(LEAST_SPREAD, find_shift(LEAST_SPREAD, wanted.skewness)).kurtosis >
@@ -265,7 +267,7 @@ static bool fill_johnson(haft_marginal *m, double skewness, double kurtosis) {
     return true;
 }
 
-/* The flattest pair of a skewness that the bounded kind is made for, rounded up to four digits. */
+/* The smallest kurtosis of the bounded family for a skewness, rounded up to four digits. */
 static double least_kurtosis(double skewness) {
     double s = fabs(skewness),
            k = bounded_shape(LEAST_SPREAD, find_shift(LEAST_SPREAD, s)).kurtosis;
@@ -323,7 +325,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Height of probability p, height i of n being that of (i + 1/2)/n. */
+/* The height of probability p; height i of n has probability (i + 1/2)/n. */
 static double quantile(const double *sorted, size_t n, double p) {
     double x = fmin(fmax(p * (double)n - 0.5, 0), (double)(n - 1));
     size_t i = (size_t)x < n - 1 ? (size_t)x : n - 2;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A marginal's table (private to the room). */
+/* The table of a marginal (private to the room). */
 #ifndef HAFT_SURFACE_MARGINAL_H
 #define HAFT_SURFACE_MARGINAL_H
 
@@ -14,8 +14,8 @@ struct haft_marginal {
     struct {
         double value, slope;
     } knot[MARGINAL_KNOTS];
-    /* Hermite coefficients, squared: E[q(g) q(g')] = sum of energy[n] rho^n, n from 1; they sum
-     * to 1. */
+    /* Squared Hermite coefficients: E[q(g) q(g')] = sum of energy[n] rho^n over n >= 1. Their sum
+     * is 1. */
     double energy[MARGINAL_TERMS];
 };
 
@@ -23,7 +23,7 @@ struct haft_marginal {
 void haft_marginal_apply(const haft_marginal *marginal, double scale_in, double scale_out, size_t n,
                          double *z);
 
-/* Whether q is the identity, which the Gaussian surface needs not go through. */
+/* Whether q is the identity: then the Gaussian surface needs no transformation. */
 bool haft_marginal_is_normal(const haft_marginal *marginal);
 
 /* E[q(g) q(g')] for normals of correlation rho. */

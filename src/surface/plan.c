@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A plan: transform lengths, FFTW plans, and the kernel's transform.
  *
- * The kernel is sampled on the fine grid and is even in both directions, so its transform is real,
- * even, and had from a quarter of the plane by cosine transforms; only wave numbers inside the disc
- * of radius zeta_max + smear are kept, beyond which it is below exp(-24) of its edge value. */
+ * The kernel is sampled on the fine grid and is even in both directions, so its transform is real
+ * and even, and cosine transforms of a quarter of the plane give it. Only wave numbers inside the
+ * disc of radius zeta_max + smear are kept; outside, the transform is below exp(-24) of its value
+ * at the edge. */
 #include "surface/plan.h"
 
 #include "surface/kernel.h"
@@ -21,8 +22,8 @@ size_t haft_surface_lattice_ratio(const haft_psd *psd, double grid_step) {
     return ratio > 0 && ratio < 1e6 ? (size_t)(ratio * (1 + 1e-12)) : 0;
 }
 
-/* Even, with no prime factor above 7 and at most two of 3: more of them, and FFTW's estimated plans
- * take up to twice as long a point. */
+/* Whether n is even, with no prime factor above 7 and at most two factors of 3. With more of those,
+ * FFTW's estimated plans take up to twice as long per point. */
 static bool is_quick(size_t n) {
     static const size_t primes[] = {2, 3, 5, 7};
     bool quick = n % 2 == 0 && n % 27 != 0;
@@ -120,7 +121,7 @@ surface_sizes haft_surface_plan_sizes(const haft_surface_plan *plan) {
     };
 }
 
-/* Cosine transforms across the beam of each kernel row: rows[i][n], i in [0, halo * ratio]. */
+/* Cosine transforms of the kernel's rows across the beam: rows[i][n], i in [0, halo * ratio]. */
 static haft_status transform_rows(const haft_surface_plan *plan, const surface_kernel *kernel,
                                   double *rows, haft_error *error) {
     size_t length = plan->across.fine / 2 + 1, kept = plan->across.cut + 1;
@@ -149,7 +150,8 @@ static haft_status transform_rows(const haft_surface_plan *plan, const surface_k
     return HAFT_OK;
 }
 
-/* The other direction; the inverse transforms' 1/(points) goes into the table. */
+/* Cosine transforms along the beam. The table includes the factor 1/points of the inverse
+ * transforms. */
 static haft_status transform_columns(haft_surface_plan *plan, const double *rows,
                                      haft_error *error) {
     size_t length = plan->along.fine / 2 + 1, kept = plan->across.cut + 1;
@@ -181,9 +183,9 @@ static haft_status transform_columns(haft_surface_plan *plan, const double *rows
     return HAFT_OK;
 }
 
-/* For each wave number across, the highest along that lies in the disc of radius `cut`. On the
- * lattice itself (ratio 1) what the taper smears beyond the band is folded back into it, so there
- * the disc only spares what lies inside the band's corners. */
+/* For each wave number across the beam, the highest along it inside the disc of radius `cut`. On
+ * the lattice itself (ratio 1), what the taper smears beyond the band is aliased back into it, so
+ * all wave numbers of the band are kept then. */
 static void fill_disc(haft_surface_plan *plan, double cut) {
     double step = plan->spec.grid_step;
     for (size_t n = 0; n <= plan->across.cut; n++) {
@@ -249,7 +251,7 @@ static haft_status make_fftw_plans(haft_surface_plan *plan, haft_error *error) {
     return status;
 }
 
-/* How often a mode of the quarter plane stands in the whole. */
+/* How often a mode of the quarter plane occurs in the whole plane. */
 static double multiplicity(size_t mode, size_t length) {
     return mode == 0 || 2 * mode == length ? 1 : 2;
 }
@@ -257,8 +259,8 @@ static double multiplicity(size_t mode, size_t length) {
 static double mode_energy(const haft_surface_plan *plan, size_t m, size_t n) {
     double value = plan->transform[n * (plan->along.cut + 1) + m];
     double weight = multiplicity(m, plan->along.fine) * multiplicity(n, plan->across.fine);
-    /* Sum of K^2 over fine points by Parseval, an average over the ratio^2 phases of the lattice.
-     */
+    /* Sum of K^2 over the fine points by Parseval, as a mean over the ratio^2 offsets from the
+     * lattice. */
     return weight * value * value * (double)plan->along.lattice * (double)plan->across.lattice;
 }
 
@@ -298,7 +300,8 @@ static void fill_facts(haft_surface_plan *plan, const surface_kernel *kernel) {
     facts->leak = leak / facts->moments.m0;
 }
 
-/* With a marginal, the PSD of its underlying Gaussian surface, kept in *corrected. */
+/* The PSD to generate: with a marginal, that of its underlying Gaussian surface, stored in
+ * *corrected. */
 static haft_status choose_radial(surface_radial *radial, haft_psd_table **corrected,
                                  haft_surface_plan *plan, haft_error *error) {
     *radial = haft_surface_radial(&plan->spec.psd, plan->spec.table);
@@ -367,7 +370,7 @@ haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface
         status = build_plan(plan, &radial, error);
     }
     haft_psd_table_destroy(&corrected);
-    plan->spec.table = NULL; /* the caller's, no longer needed */
+    plan->spec.table = NULL; /* owned by the caller, no longer needed */
     if (status != HAFT_OK) {
         haft_surface_plan_destroy(&plan);
     }
@@ -403,7 +406,7 @@ double haft_surface_covariance(const haft_surface_plan *plan, long i, long j) {
         return 0;
     }
     if (lag_i > plan->along.fine - 2 * extent || lag_j > plan->across.fine - 2 * extent) {
-        return NAN; /* the block's transform is too short to tell it from its periodic image */
+        return NAN; /* the block's transform is too short to separate it from its periodic image */
     }
     double sum = 0;
     for (size_t n = 0; n <= plan->across.cut; n++) {

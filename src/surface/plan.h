@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the plan holds for those who generate from it (private to the room). */
+/* The contents of a plan (private to the room). */
 #ifndef HAFT_SURFACE_PLAN_H
 #define HAFT_SURFACE_PLAN_H
 
@@ -8,25 +8,28 @@
 #include <complex.h>
 #include <fftw3.h>
 
-/* One direction of a block. Fine transforms are lattice ratio times longer than lattice ones. */
+/* One direction of a block. Fine transforms are longer than lattice transforms by the lattice
+ * ratio. */
 typedef struct surface_axis {
     size_t interior; /* lattice steps in the block */
-    size_t lattice;  /* length of the noise transform: interior + 2 halo, made quick to transform */
+    size_t lattice;  /* length of the noise transform: interior + 2 halo, rounded up to a fast FFT
+                        length */
     size_t fine;     /* length of the fine transform, ratio * lattice */
     size_t cut;      /* highest wave number kept, at most fine / 2 */
 } surface_axis;
 
-enum { SURFACE_TILE = 8 }; /* columns transformed together: two cache lines of complex numbers */
+enum { SURFACE_TILE = 8 }; /* columns transformed together; two cache lines of complex numbers */
 
 struct haft_surface_plan {
     haft_surface_spec spec;
     size_t ratio, halo;
     surface_axis along, across;
-    double *transform; /* [across.cut + 1][along.cut + 1], kernel's transform over fine points */
-    size_t *disc;      /* [across.cut + 1], highest wave number along the beam inside the disc */
+    double *transform; /* [across.cut + 1][along.cut + 1], the kernel's transform over the number of
+                          fine points */
+    size_t *disc; /* [across.cut + 1], the highest wave number along the beam inside the disc */
     haft_surface_facts facts;
-    double scale_in; /* with a marginal, what makes the generated field g */
-    /* Executed on each work's own arrays, which FFTW allows from several threads. */
+    double scale_in; /* with a marginal, scales the generated field to g of unit variance */
+    /* Executed on the arrays of each work; FFTW allows this from several threads. */
     fftw_plan row_forward, column_forward, column_inverse, row_inverse;
 };
 
@@ -34,7 +37,7 @@ struct haft_surface_plan {
 typedef struct surface_sizes {
     size_t field_columns, field;  /* complex [max(along.lattice, rows)][field_columns] */
     size_t tile, spread;          /* complex [SURFACE_TILE][along.lattice or along.fine] */
-    size_t row_real, row_complex; /* one row across, whichever transform is longer */
+    size_t row_real, row_complex; /* one row across the beam, as long as the longer transform */
 } surface_sizes;
 
 surface_sizes haft_surface_plan_sizes(const haft_surface_plan *plan);

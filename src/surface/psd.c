@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The self-affine PSD and its moments. Each piece is a power of zeta, so the moments are closed
- * forms; the power law's integral goes through expm1, which stays exact where the exponent meets
- * -1 and the power becomes a logarithm. */
+ * forms. The power law's integral uses expm1, which stays accurate where the exponent approaches -1
+ * and the integral becomes a logarithm. */
 #include "haft/surface.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a table of rings says about a self-affine surface, and how far it can be trusted: the rings
- * used, a cut-off, a floor, intervals, and how well the form fits. */
+/* The self-affine fit of a table: the rings used, a cut-off, a floor, confidence intervals, and the
+ * quality of the fit. */
 #include "psd_likelihood.h"
 
 #include <gsl/gsl_cdf.h>
@@ -10,10 +10,10 @@
 enum { POINTS_LEAST = 6, PARAMETERS = 4, COARSE = 40, INSIDE = 40, BISECTIONS = 30 };
 static const double CONFIDENCE = 0.95;
 static const double LIKELY = 1e-3;         /* a form less likely than this does not fit */
-static const double RING_COST = 6;         /* deviance that a ring must add to be left out */
-static const double DROP = 0.5;            /* of the form, beyond a cut-off */
-static const double WIDE = 10, WIDE_H = 1; /* intervals beyond which nothing is determined */
-static const double OFF = 0.25;            /* of a moment, beyond three standard errors */
+static const double RING_COST = 6;         /* deviance charged for each ring left out */
+static const double DROP = 0.5;            /* largest share of the form beyond a cut-off */
+static const double WIDE = 10, WIDE_H = 1; /* wider intervals do not determine a parameter */
+static const double OFF = 0.25; /* relative tolerance of a moment, besides three standard errors */
 
 /* ---- rings ---- */
 
@@ -46,7 +46,7 @@ static haft_status take_rings(haft_psd_rings *rings, const haft_psd_table *table
     return HAFT_OK;
 }
 
-/* Deviance a degree of freedom: each ring's over its mean, 2 N (log N - psi(N)). */
+/* Deviance per degree of freedom; each ring's is divided by its mean, 2 N (log N - psi(N)). */
 static double misfit_of(const haft_psd_form *form, const haft_psd_rings *rings) {
     double sum = 0;
     for (size_t i = 0; i < rings->n; i++) {
@@ -66,7 +66,7 @@ static double upper_edge(const haft_psd_rings *rings, size_t i) {
     return 0.5 * (rings->log_zeta[i] + rings->log_zeta[i + 1]);
 }
 
-/* Share of the plane of wave vectors that ring i takes [rad^2/m^2], over pi. */
+/* Area of ring i in the plane of wave vectors, over pi [rad^2/m^2]. */
 static double area_of(const haft_psd_rings *rings, size_t i, size_t n) {
     double last = rings->log_zeta[i];
     double low = i > 0 ? upper_edge(rings, i - 1) : last;
@@ -76,7 +76,7 @@ static double area_of(const haft_psd_rings *rings, size_t i, size_t n) {
 
 /* ---- the cut-off ---- */
 
-/* Whether all rings from `first` on lie under the form. */
+/* Whether all rings from `first` on are below DROP times the form. */
 static bool drops(const haft_psd_form *form, const haft_psd_rings *rings, size_t first,
                   size_t all) {
     bool under = true;
@@ -86,7 +86,7 @@ static bool drops(const haft_psd_form *form, const haft_psd_rings *rings, size_t
     return under;
 }
 
-/* Keeps the rings below a cut-off, if there is one; its place, or INFINITY. */
+/* Keeps only the rings below a cut-off, if there is one. @return its wave number, or INFINITY */
 static double find_cut_off(haft_psd_profile *profile, haft_psd_rings *rings) {
     size_t all = rings->n, kept = all, found = 0;
     double least = INFINITY, cut = INFINITY;
@@ -98,7 +98,8 @@ static double find_cut_off(haft_psd_profile *profile, haft_psd_rings *rings) {
         haft_psd_profile_make(profile, rings, COARSE);
         const haft_psd_form *form = &profile->best;
         bool fits = form->b > 0 && likelihood_of(misfit_of(form, rings), rings->n) >= LIKELY;
-        size_t next = rings->n + 1 < all ? rings->n + 1 : all - 1; /* an edge may cross a ring */
+        size_t next =
+            rings->n + 1 < all ? rings->n + 1 : all - 1; /* the cut-off may be inside a ring */
         if (!fits || !drops(form, rings, next, all)) {
             continue;
         }
@@ -129,7 +130,7 @@ static haft_psd psd_of(const haft_psd_form *form, double zeta_max) {
                       .s_1 = s_0 * pow(zeta_max / zeta_0, -form->b)};
 }
 
-/* log of the form's variance and its derivative by b; that by a is 1. */
+/* log of the form's variance, and its derivative by b (the derivative by a is 1). */
 static double log_variance(const haft_psd_form *form, double zeta_max, double *slope) {
     haft_psd_form steeper = *form;
     haft_psd psd = psd_of(form, zeta_max);
@@ -145,7 +146,7 @@ static void widen(double ends[2], double value, double half) {
     ends[1] = fmax(ends[1], value + half);
 }
 
-/* Where the deviance crosses `most` between a roll-off inside and one outside. */
+/* Where the deviance crosses `most`, between a roll-off inside the interval and one outside. */
 static double cross(const haft_psd_rings *rings, haft_psd_form inside, double outside,
                     double most) {
     double in = inside.log_zeta_0;
@@ -161,7 +162,8 @@ static double cross(const haft_psd_rings *rings, haft_psd_form inside, double ou
     return in;
 }
 
-/* The roll-offs that are likely enough, from end to end, and whether an end is the grid's. */
+/* The range of roll-offs with a deviance up to `most`, and whether its ends are those of the
+ * grid. */
 static void find_roll_offs(double ends[2], bool open[2], const haft_psd_profile *profile,
                            const haft_psd_rings *rings, double most) {
     double best = profile->best.log_zeta_0;
@@ -192,7 +194,7 @@ static void set_intervals(haft_psd_fit *fit, const haft_psd_profile *profile,
     bool open[2];
     find_roll_offs(roll_off, open, profile, rings, most);
     haft_psd_form form = profile->best;
-    for (int k = 0; k <= INSIDE + 1; k++) { /* the best one first */
+    for (int k = 0; k <= INSIDE + 1; k++) { /* the best form first */
         double share = (double)(k - 1) / INSIDE, covariance[3][3], slope;
         form = k == 0 ? form
                       : haft_psd_form_at(rings, roll_off[0] + share * (roll_off[1] - roll_off[0]),
@@ -220,9 +222,9 @@ static void set_intervals(haft_psd_fit *fit, const haft_psd_profile *profile,
     fit->determined[2] = fit->high[2] - fit->low[2] < WIDE_H;
 }
 
-/* ---- how well it fits ---- */
+/* ---- quality of the fit ---- */
 
-/* The largest mean of s/form - 1 over an eighth of a decade beyond twice its error. */
+/* The mean of s/form - 1 over an eighth of a decade that exceeds twice its error most. */
 static void find_deviation(haft_psd_fit *fit, const haft_psd_form *form,
                            const haft_psd_rings *rings) {
     double most = 0, reach = log(10) / 8;
@@ -243,7 +245,7 @@ static void find_deviation(haft_psd_fit *fit, const haft_psd_form *form,
     }
 }
 
-/* Variances of heights and slopes over the rings used, of the form and of the table. */
+/* Compares the form's variances of heights and slopes over the rings used with the table's. */
 static haft_status check_moments(const haft_psd_form *form, const haft_psd_rings *rings,
                                  haft_error *error) {
     for (int power = 0; power <= 2; power += 2) {
@@ -292,7 +294,8 @@ static haft_status check_slope(const haft_psd_form *form, const haft_psd_rings *
     return HAFT_OK;
 }
 
-/* Where the floor equals the form, if both are seen; else INFINITY. */
+/* The wave number at which the floor equals the form, if the floor is significant and the wave
+ * number is within the rings; else INFINITY. */
 static double find_noise_limit(const haft_psd_form *form, const haft_psd_rings *rings) {
     double covariance[3][3];
     haft_psd_form_covariance(form, rings, covariance);

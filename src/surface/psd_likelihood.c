@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Maximum likelihood of the self-affine form over rings. The mean of N exponential numbers is Gamma
- * distributed with shape N, so a model m costs 2 N (s/m - 1 - log(s/m)) a ring. For a given
- * roll-off Fisher scoring finds plateau, slope and floor (the floor stays at or above zero); the
- * roll-off itself, over which the likelihood has kinks and may have several dips, is searched for
- * on a grid and then by golden section. Each grid is swept twice, from a form without a floor and
- * from one whose floor is the table's end, since scoring finds the nearest dip alone. */
+ * distributed with shape N, so the deviance of a model m is 2 N (s/m - 1 - log(s/m)) per ring. For
+ * a given roll-off, Fisher scoring finds plateau, slope and floor (the floor stays at or above
+ * zero). As a function of the roll-off the deviance has kinks and may have several minima, so the
+ * roll-off is searched on a grid and then by golden section. Each grid is swept twice, starting
+ * without a floor and with a floor near the smallest s, since scoring finds only the nearest
+ * minimum. */
 #include "psd_likelihood.h"
 
 #include <math.h>
@@ -33,7 +34,7 @@ static double deviance_of(const haft_psd_form *form, const haft_psd_rings *rings
     return sum;
 }
 
-/* Fisher's information of a, b and floor/scale, and the score. */
+/* Fisher information of a, b and floor/scale, and the score. */
 static void inform(double m[3][3], double score[3], const haft_psd_form *form,
                    const haft_psd_rings *rings) {
     for (int j = 0; j < 3; j++) {
@@ -53,7 +54,8 @@ static void inform(double m[3][3], double score[3], const haft_psd_form *form,
     }
 }
 
-/* Inverse of the leading n x n part, 2 or 3, by Cholesky's pivots; false if it is singular. */
+/* Inverse of the leading n x n block, n = 2 or 3, by Cholesky factorization; false if it is
+ * singular. */
 static bool invert(double out[3][3], double m[3][3], int n) {
     double l[3][3] = {{0}}, inverse[3][3] = {{0}};
     for (int j = 0; j < n; j++) {
@@ -101,7 +103,7 @@ void haft_psd_form_covariance(const haft_psd_form *form, const haft_psd_rings *r
     }
 }
 
-/* One step of Fisher scoring, shortened until it helps; false if none does. */
+/* One step of Fisher scoring, halved until the deviance does not rise; false if none helps. */
 static bool step(haft_psd_form *form, const haft_psd_rings *rings, double *gain) {
     double m[3][3], score[3], inverse[3][3], d[3];
     inform(m, score, form, rings);
@@ -147,7 +149,7 @@ haft_psd_form haft_psd_form_at(const haft_psd_rings *rings, double log_zeta_0,
     return form;
 }
 
-/* The line through the logarithms of what exceeds a floor. */
+/* Initial form: a line fitted to the logarithm of s - floor, over rings clearly above the floor. */
 static haft_psd_form begin_at(const haft_psd_rings *rings, double log_zeta_0, double floor) {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (size_t i = 0; i < rings->n; i++) {

@@ -5,11 +5,11 @@
 
 #include "haft/surface_map.h"
 
-/* Rings of a table as a fit takes them: the first n count. */
+/* The rings of a table used in a fit: the first n. */
 typedef struct haft_psd_rings {
     size_t n;
     double *log_zeta, *s, *count;
-    double scale; /* the least s, the unit of the floor */
+    double scale; /* the smallest s, unit of the floor */
 } haft_psd_rings;
 
 /* exp(a - b x) + floor with x = log(zeta/zeta_0) above the roll-off and 0 below. */
@@ -18,18 +18,18 @@ typedef struct haft_psd_form {
     double deviance; /* over the rings it was fitted to */
 } haft_psd_form;
 
-/* s of the form without its floor, and with it. */
+/* s of the form, without and with its floor. */
 double haft_psd_form_power(const haft_psd_form *form, double log_zeta);
 double haft_psd_form_value(const haft_psd_form *form, double log_zeta);
 
-/* 2 N (r - 1 - log r) with r = s/model: twice what the logarithm of a Gamma likelihood of shape N
- * loses against a model that meets the ring exactly. */
+/* 2 N (r - 1 - log r) with r = s/model: twice the difference of the log likelihood (Gamma with
+ * shape N) from that of a model that meets s exactly. */
 double haft_psd_ring_deviance(double s, double count, double model);
 
 enum { HAFT_PSD_GRID = 120 };
 
-/* Best forms for roll-offs on a grid, from the first ring to the third last, and the best of all.
- */
+/* The best form for each roll-off of a grid from the first ring to the third last, and the best of
+ * all. */
 typedef struct haft_psd_profile {
     size_t n; /* intervals of the grid */
     haft_psd_form at[HAFT_PSD_GRID + 1];
@@ -38,11 +38,11 @@ typedef struct haft_psd_profile {
 
 void haft_psd_profile_make(haft_psd_profile *profile, const haft_psd_rings *rings, size_t n);
 
-/* The best a, b and floor for a roll-off, from a form that is near. */
+/* The best a, b and floor for a roll-off, starting from a form nearby. */
 haft_psd_form haft_psd_form_at(const haft_psd_rings *rings, double log_zeta_0,
                                const haft_psd_form *near);
 
-/* Covariance of a and b for a fixed roll-off, the floor being free; and of the floor alone. */
+/* Covariance of a, b and floor at a fixed roll-off. */
 void haft_psd_form_covariance(const haft_psd_form *form, const haft_psd_rings *rings,
                               double covariance[3][3]);
 

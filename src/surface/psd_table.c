@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A radial PSD by points, powers in between: value, moments (each stretch a power of zeta, so
- * closed forms, as in psd.c), the tip's limit, and what two faces make together. */
+/* A radial PSD given by points, with power laws in between: value, moments (closed forms, as in
+ * psd.c), the limit due to a tip, and the PSD of two faces together. */
 #include "haft/surface_map.h"
 
 #include <math.h>
@@ -123,7 +123,7 @@ haft_status haft_psd_table_cut(haft_psd_table *table, double zeta_max, haft_erro
     table->s[n] = value;
     table->n = n + 1;
     if (n > 1 && zeta_max / table->zeta[n - 1] < 1 + 1e-9 && ratio > 1) {
-        table->zeta[n - 1] = zeta_max; /* two points on top of each other are one */
+        table->zeta[n - 1] = zeta_max; /* merge coincident points */
         table->s[n - 1] = value;
         table->n = n;
     }
@@ -153,7 +153,7 @@ double haft_psd_tip_limit(const haft_psd_table *table, double radius) {
     return INFINITY;
 }
 
-/* Points of both tables up to where both reach, in order, without doubles. */
+/* The points of both tables within their common range, sorted, without duplicates. */
 static size_t merge(double *zeta, const haft_psd_table *a, const haft_psd_table *b) {
     double most = fmin(a->zeta[a->n - 1], b->zeta[b->n - 1]);
     size_t i = 0, j = 0, n = 0;

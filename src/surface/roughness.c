@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The other form of a self-affine PSD: rms, correlation length and Hurst exponent. The
- * autocorrelation is the PSD's Hankel transform, C(r) = 2 pi int s J0(zeta r) zeta dzeta. Each
- * stretch of the PSD is a power of zeta, so with t = zeta r what remains is int t^-mu J0(t) dt: by
- * Gauss and Legendre over short panels up to t = FAR, beyond by parts, an asymptotic series whose
- * terms fall by (mu / t)^2. Roots are bracketed and halved. */
+/* The self-affine PSD by rms, correlation length and Hurst exponent. The autocorrelation is the
+ * PSD's Hankel transform, C(r) = 2 pi int s J0(zeta r) zeta dzeta. Each interval of the PSD is a
+ * power of zeta, so with t = zeta r the integrals are int t^-mu J0(t) dt. They are computed by
+ * Gauss-Legendre quadrature over short panels up to t = FAR. Beyond, integration by parts gives an
+ * asymptotic series whose terms fall by (mu / t)^2. Roots are found by bisection. */
 #include "haft/surface.h"
 
 #include <gsl/gsl_sf_bessel.h>
@@ -11,17 +11,17 @@
 
 enum { NODES = 5, HALVINGS = 60, SERIES_MOST = 16 };
 
-/* From this t on the series is exact to rounding for powers up to POWER_MOST. */
+/* From this t on, the series is accurate to rounding for powers up to POWER_MOST. */
 static const double FAR = 60, POWER_MOST = 5;
 
-/* The widest and narrowest bands that a roll-off is looked for in, zeta_0 over zeta_max. */
+/* Range of the roll-off search, as zeta_0 over zeta_max. */
 static const double BAND_WIDEST = 1e-5, BAND_NARROWEST = 0.999;
 
-/* Autocorrelation at the correlation length, and a t below which J0 is larger than that. */
+/* The autocorrelation at the correlation length, and a t below which J0 exceeds it. */
 #define FALLEN exp(-1.0)
 static const double STILL_HIGH = 1.75;
 
-/* int (t/a)^power J0(t) dt from a to b by Gauss and Legendre, ten points a panel. */
+/* int (t/a)^power J0(t) dt from a to b by Gauss-Legendre quadrature, ten points per panel. */
 static double panels(double a, double b, double scale, double power) {
     static const double node[NODES] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244,
                                        0.8650633666889845, 0.9739065285171717};
@@ -54,8 +54,7 @@ static double series(double t, double scale, double power) {
     return sum;
 }
 
-/* int s J0(zeta r) zeta dzeta over a stretch from `low` to `high`, where s is
- * s_low (zeta/low)^exponent. */
+/* int s J0(zeta r) zeta dzeta from `low` to `high`, where s is s_low (zeta/low)^exponent. */
 static double stretch(double low, double high, double s_low, double exponent, double r) {
     double a = low * r, b = high * r, power = exponent + 1;
     double turn = fabs(power) <= POWER_MOST ? fmin(b, fmax(a, FAR)) : b;
@@ -102,7 +101,7 @@ static double correlation(const haft_psd *psd, const haft_psd_table *table, doub
     return table != NULL ? haft_psd_table_correlation(table, r) : haft_psd_correlation(psd, r);
 }
 
-/* The first r where the autocorrelation has fallen to 1/e. */
+/* The smallest r at which the autocorrelation is 1/e. */
 static double find_length(const haft_psd *psd, const haft_psd_table *table, double zeta_max) {
     double low = STILL_HIGH / zeta_max, high = low;
     while (correlation(psd, table, high) > FALLEN) {
@@ -128,7 +127,7 @@ double haft_psd_get_hurst(const haft_psd *psd) {
     return -0.5 * exponent_between(psd->zeta_0, psd->zeta_max, psd->s_0, psd->s_1) - 1;
 }
 
-/* Of plateau 1. */
+/* The PSD with this roll-off and a plateau of 1. */
 static haft_psd with_roll_off(const haft_roughness *r, double zeta_0) {
     return (haft_psd){.zeta_max = r->zeta_max,
                       .zeta_0 = zeta_0,
@@ -174,7 +173,7 @@ haft_status haft_psd_from_roughness(haft_psd *out, const haft_roughness *r, haft
     if (status != HAFT_OK) {
         return status;
     }
-    double low = log(BAND_WIDEST), high = log(BAND_NARROWEST); /* longer waves on the low side */
+    double low = log(BAND_WIDEST), high = log(BAND_NARROWEST); /* the low side has longer waves */
     for (int i = 0; i < HALVINGS; i++) {
         double middle = 0.5 * (low + high);
         haft_psd psd = with_roll_off(r, exp(middle) * r->zeta_max);

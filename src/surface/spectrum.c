@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From maps to spectra: windowed periodogram, normalised so that it sums to the windowed variance,
- * and its mean over rings. Holes are filled first by heights drawn from the map's own spectrum:
- * left out, they would spread the long waves' power over all wave numbers. A window widens every
- * line over a few modes; a trend left in, whose lines fall off as slowly as 1/k^2 along the axes,
- * is not mended by it but by levelling. */
+/* Spectra of maps: a windowed periodogram, normalised to the windowed variance, and its ring means.
+ * Callers fill missing pixels first, with heights drawn from the map's own spectrum: left out, they
+ * would spread the power of long waves over all wave numbers. A window widens every line to a few
+ * modes. It does not remove a trend, whose lines fall off only as 1/k^2 along the axes; levelling
+ * does. */
 #include "spectrum.h"
 
 #include <fftw3.h>
@@ -12,7 +12,7 @@
 static const double TUKEY_FLANK = 0.125;
 static const double RING_RATIO = 1.0592537251772889; /* 10^(1/40) */
 
-/* The window over one side, at pixel i's centre. */
+/* The window along one side, at the centre of pixel i. */
 double haft_window_value(haft_window window, size_t i, size_t n) {
     double t = ((double)i + 0.5) / (double)n;
     double flank = fmin(t, 1 - t) / TUKEY_FLANK;
@@ -35,7 +35,7 @@ typedef struct weights {
     double dependence; /* N sum w^4 / (sum w^2)^2 */
 } weights;
 
-/* w (z - mean_w) into `field`, whose lines are `stride` apart. */
+/* Writes w (z - mean_w) to `field`, whose lines are `stride` apart. */
 static haft_status weigh(double *field, size_t stride, weights *sums, const haft_map *map,
                          haft_window window, haft_error *error) {
     size_t rows = map->rows, columns = map->columns;
@@ -73,8 +73,8 @@ static haft_status weigh(double *field, size_t stride, weights *sums, const haft
                             : haft_error_set(error, HAFT_ERROR_INPUT, "the map has no pixel");
 }
 
-/* The half spectrum [rows][columns/2 + 1] of the windowed map, scaled; transformed and squared in
- * one place, since fetching memory takes as long as the transform. */
+/* The scaled half spectrum [rows][columns/2 + 1] of the windowed map. It is transformed and squared
+ * in place, since memory access takes as long as the transform. */
 static haft_status half_spectrum(double **out, weights *sums, const haft_map *map,
                                  haft_window window, haft_error *error) {
     size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
@@ -131,7 +131,7 @@ void haft_rings_destroy(haft_rings *r) {
 }
 
 haft_status haft_rings_create(haft_rings *r, double width, double most, haft_error *error) {
-    double constant = width / (RING_RATIO - 1); /* from here on rings widen */
+    double constant = width / (RING_RATIO - 1); /* above this wave number, ring widths grow */
     size_t room =
         (size_t)(fmin(most, constant) / width) + (size_t)(40 * log10(fmax(1, most / width))) + 8;
     double *data = haft_memory_alloc(room + 1, 4 * sizeof *data, error);
@@ -150,7 +150,8 @@ haft_status haft_rings_create(haft_rings *r, double width, double most, haft_err
     return HAFT_OK;
 }
 
-/* Into the mode's ring, looked for from *ring on, where the one before it on its line went. */
+/* Adds a mode to its ring. The search starts at *ring, that of the line's mode before, since zeta
+ * increases along a line. */
 static void enter_mode(haft_rings *r, size_t *ring, double zeta, double s, double independent) {
     if (zeta < r->edge[0] || zeta >= r->edge[r->n]) {
         return;
@@ -179,7 +180,7 @@ haft_status haft_rings_enter(haft_rings *r, const haft_map *map, haft_window win
         size_t ring = 0;
         for (size_t j = 0; j < half; j++) {
             double kx = along * (double)j, zeta = sqrt(kx * kx + ky * ky);
-            bool twice = j > 0 && 2 * j < columns; /* its conjugate is not among the half */
+            bool twice = j > 0 && 2 * j < columns; /* its conjugate is not in the half spectrum */
             if (zeta > 0 && zeta <= most) {
                 enter_mode(r, &ring, zeta, s[i * half + j],
                            (twice ? 1 : 0.5) * known / sums.dependence);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Areal parameters by ISO 25178-2. The autocorrelation's decay is followed from lag 0 along
- * straight lines to all lags on the border of a rectangle of half the map's sides (half a plane of
- * them: it is even), so that directions are as many as the map can tell apart. A line that meets
- * lags of which the map has no pair looks past them. */
+/* Areal parameters by ISO 25178-2. The decay of the autocorrelation is followed from lag 0 along
+ * straight lines to all lags on the border of a rectangle of half the map's sides. So there are as
+ * many directions as the map resolves. Half of the plane is enough because the autocorrelation is
+ * even. Lags without any pair of pixels are skipped. */
 #include "autocorrelation.h"
 
 #include <math.h>
 
-static const double PAIRS_LEAST = 0.5; /* pairs are whole numbers but for rounding */
+static const double PAIRS_LEAST = 0.5; /* pairs are integers, except for rounding */
 
 /* ---- heights ---- */
 
@@ -52,7 +52,8 @@ static haft_status take_heights(haft_map_texture *t, const haft_map *map, double
 
 /* ---- slopes ---- */
 
-/* The four triangles at the corners of a cell: each has the slopes of the two sides that meet. */
+/* Each cell has four triangles, one at each corner, with the slopes of the two sides that meet
+ * there. */
 static void take_slopes(haft_map_texture *t, const haft_map *map) {
     double squares = 0, excess = 0;
     size_t n = 0;
@@ -70,7 +71,8 @@ static void take_slopes(haft_map_texture *t, const haft_map *map) {
                 double slope = x[corner % 2], other = y[corner / 2];
                 double square = slope * slope + other * other;
                 squares += square;
-                excess += square / (sqrt(1 + square) + 1); /* sqrt(1 + q) - 1 without cancelling */
+                excess +=
+                    square / (sqrt(1 + square) + 1); /* sqrt(1 + q) - 1 without cancellation */
             }
             n += 4;
         }
@@ -83,7 +85,7 @@ static void take_slopes(haft_map_texture *t, const haft_map *map) {
 
 typedef struct decay {
     const haft_map *map;
-    double *f; /* twice the map's rows x columns: over that at lag 0; NAN without pairs */
+    double *f; /* 2 rows x 2 columns, normalised to 1 at lag 0; NAN without pairs */
 } decay;
 
 static double at(const decay *d, long i, long j) {
@@ -91,7 +93,7 @@ static double at(const decay *d, long i, long j) {
     return d->f[(i < 0 ? i + rows : i) * columns + (j < 0 ? j + columns : j)];
 }
 
-/* Bilinear, at a lag in pixels. */
+/* Bilinear interpolation at a lag in pixels. */
 static double between(const decay *d, double y, double x) {
     double row = floor(y), column = floor(x), v = y - row, u = x - column;
     long i = (long)row, j = (long)column;
@@ -103,8 +105,8 @@ static double between(const decay *d, double y, double x) {
     return (1 - v) * below + v * above;
 }
 
-/* Along the line to the lag (y, x) in pixels: the lag where f first falls to the level [m], or
- * INFINITY; `reach` is the whole line. */
+/* The smallest lag on the line to the lag (y, x), in pixels, at which f falls to HAFT_TEXTURE_DECAY
+ * [m], or INFINITY; *reach: length of the line [m]. */
 static double follow(const decay *d, double y, double x, double *reach) {
     double steps = 2 * ceil(fmax(fabs(y), fabs(x)));
     double before = 1, place = 0;
@@ -123,12 +125,13 @@ static double follow(const decay *d, double y, double x, double *reach) {
     return INFINITY;
 }
 
-/* Least and greatest over the lines to the border of the half rectangle; of those along which f
- * does not fall, the longest. */
+/* The smallest and the largest lag over the lines to the border of the half rectangle, and the
+ * longest line along which f does not fall. */
 static void search(haft_map_texture *t, const decay *d) {
     long rows = (long)(d->map->rows / 2), columns = (long)(d->map->columns / 2);
     double least = INFINITY, greatest = 0, open = 0;
-    for (long k = 0; k < 2 * rows + 2 * columns; k++) { /* up one side, along the top, down */
+    for (long k = 0; k < 2 * rows + 2 * columns;
+         k++) { /* along three sides of the half rectangle */
         double y = (double)(k < rows ? k : rows),
                x = (double)(k < rows ? columns : columns + rows - k);
         if (k > rows + 2 * columns) {

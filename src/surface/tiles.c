@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Windows of measured maps as patches. Maps are resampled once, by natural cubic splines through
- * the pixels' centres in one direction after the other, which keeps heights at the pixels and adds
- * no wave shorter than they carry by more than a spline does. */
+ * the pixel centres in one direction after the other. This keeps the heights at the pixels and adds
+ * hardly any waves shorter than the pixels resolve. */
 #include "haft/surface_map.h"
 
 #include <gsl/gsl_spline.h>
@@ -24,7 +24,7 @@ struct haft_tiling {
     haft_random_key key;
 };
 
-/* One line of n points, `stride` apart, from spacing `from` to `to`. */
+/* Resamples one line of n points, `stride` apart, from spacing `from` to spacing `to`. */
 static void resample_line(gsl_spline *spline, gsl_interp_accel *accel, double *x, double *y,
                           const double *z, size_t n, size_t stride, double from, double to,
                           double *out, size_t m, size_t out_stride) {
@@ -39,7 +39,7 @@ static void resample_line(gsl_spline *spline, gsl_interp_accel *accel, double *x
     }
 }
 
-/* `lines` lines of n points to m points. */
+/* Resamples `lines` lines of n points to m points each. */
 static haft_status resample(const double *z, size_t lines, size_t n, size_t stride, size_t next,
                             double from, double to, double *out, size_t m, size_t out_stride,
                             size_t out_next, haft_error *error) {
@@ -107,7 +107,7 @@ static haft_status make_face(face *f, size_t n, const haft_map *const *maps, dou
     return status;
 }
 
-/* Windows at most half as long as the smallest map. */
+/* Divides a patch into windows that are at most half as long as the smallest map. */
 static void lay_out(haft_tiling *t) {
     size_t least[2] = {SIZE_MAX, SIZE_MAX}, whole[2] = {t->rows, t->columns};
     for (int k = 0; k < 2; k++) {

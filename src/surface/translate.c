@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The underlying PSD of a translation process, by iteration (Shields, Deodatis and Bocchini 2011):
- * the correlation of q(g) is a power series in that of g, whose coefficients are q's Hermite
- * energies (Grigoriu 1984), so one round is PSD of g -> correlation of g -> correlation of q(g) ->
- * PSD of q(g), and then each ring of g's PSD is multiplied by what its ring should be over what it
- * is.
+/* The underlying PSD of a translation process, by iteration (Shields, Deodatis and Bocchini 2011).
+ * The correlation of q(g) is a power series in that of g, whose coefficients are the squared
+ * Hermite coefficients of q (Grigoriu 1984). So one round is PSD of g -> correlation of g ->
+ * correlation of q(g) -> PSD of q(g). Then each ring of g's PSD is multiplied by the ratio of
+ * wanted to actual ring sum.
  *
- * All of it lives on a periodic lattice fine enough for twice the band and large against the
- * longest waves, a quarter of the plane by cosine transforms: on it every step but the series' end
- * is exact. What is iterated is the correction, a smooth factor by points; the underlying PSD is
- * the wanted one times that, with all its corners. Limits: what q adds beyond the band is no longer
- * the band's, and where it exceeds the wanted PSD inside, no underlying PSD can take it away; both
- * are reported. */
+ * The computation uses a periodic lattice, fine enough for twice the band and large compared with
+ * the longest waves, and cosine transforms of a quarter of the plane. There every step is exact,
+ * except that the series is truncated. The iteration adjusts the correction, a smooth factor given
+ * by points; the underlying PSD is the wanted one times this factor, with all its corners. Limits:
+ * q adds some power beyond the band, which is lost to the band. And where q adds more than the
+ * wanted PSD inside the band, no underlying PSD can remove it. Both errors are reported. */
 #include "surface/marginal.h"
 #include "surface/radial.h"
 
@@ -19,10 +19,10 @@
 #include <string.h>
 
 enum { NODES = 72, ROUNDS = 30, SIDE_LEAST = 256, SIDE_MOST = 2048 };
-static const double LENGTHS = 12;  /* longest waves in the lattice's period */
-static const double STRONGEST = 4; /* correction of a ring in a round */
-static const double ENOUGH = 1e-3; /* relative error at which rounds end */
-static const double JUDGED = 0.95; /* of zeta_max, up to where the error is judged */
+static const double LENGTHS = 12;  /* number of longest waves in the lattice's period */
+static const double STRONGEST = 4; /* largest correction of a ring in a round */
+static const double ENOUGH = 1e-3; /* relative error at which the iteration ends */
+static const double JUDGED = 0.95; /* share of zeta_max up to which the error is judged */
 
 surface_radial haft_surface_radial(const haft_psd *psd, const haft_psd_table *table) {
     surface_radial radial = {.psd = *psd, .table = table};
@@ -46,14 +46,14 @@ double haft_surface_radial_variance(const surface_radial *radial) {
                                  : haft_psd_get_moments(&radial->psd).m0;
 }
 
-/* A quarter of the lattice's plane: (half + 1)^2 modes or lags. */
+/* A quarter of the plane of the lattice: (half + 1)^2 modes or lags. */
 typedef struct lattice {
     size_t half, modes;
     double cell;    /* spacing of wave numbers [rad/m] */
     double *field;  /* transformed in place */
-    double *wanted; /* at each mode, of variance 1 */
-    int *ring;      /* of each mode, -1 beyond the band */
-    double *weight; /* how often it stands in the whole plane */
+    double *wanted; /* the wanted PSD at each mode, of variance 1 */
+    int *ring;      /* ring of each mode, -1 beyond the band */
+    double *weight; /* how often each mode occurs in the whole plane */
     fftw_plan plan;
 } lattice;
 
@@ -94,8 +94,8 @@ static haft_status create_lattice(lattice *l, const surface_radial *wanted, haft
                                             "FFTW makes no cosine transform of %d x %d", n, n);
 }
 
-/* Points from the longest wave to zeta_max with a factor of 1, and which mode is nearest to which.
- */
+/* Sets up the points of the factor, from the longest wave to zeta_max, with the value 1, and
+ * assigns each mode to the nearest point. */
 static void lay_out(lattice *l, const surface_radial *wanted, haft_psd_table *factor) {
     double low = fmin(l->cell, wanted->psd.zeta_0), high = wanted->psd.zeta_max, sum = 0;
     double per_ratio = (NODES - 1) / log(high / low);
@@ -121,7 +121,7 @@ static void lay_out(lattice *l, const surface_radial *wanted, haft_psd_table *fa
     }
 }
 
-/* PSD of q(g), of variance 1, into l->field. */
+/* Writes the PSD of q(g), of variance 1, to l->field. */
 static void go_round(lattice *l, const haft_psd_table *factor, const haft_marginal *marginal) {
     double sum = 0;
     for (size_t i = 0; i <= l->half; i++) {
@@ -147,7 +147,8 @@ static void go_round(lattice *l, const haft_psd_table *factor, const haft_margin
     }
 }
 
-/* Ring sums, and the largest error of the shape inside the band; *beyond: share outside. */
+/* Ring sums, and the largest relative error of the PSD's shape inside the band; *beyond: share of
+ * the variance outside. */
 static double judge(const lattice *l, const haft_psd_table *factor, ring_sums *sums,
                     double *beyond) {
     *sums = (ring_sums){.is = {0}};
@@ -171,7 +172,8 @@ static double judge(const lattice *l, const haft_psd_table *factor, ring_sums *s
     return worst;
 }
 
-/* Multiplies each point by what its ring lacks; rings without a mode follow the next above. */
+/* Multiplies each point by the ratio of wanted to actual ring sum; a ring without modes uses the
+ * ratio of the next ring above. */
 static void correct(haft_psd_table *factor, const ring_sums *sums) {
     double ratio = 1;
     for (size_t k = NODES; k-- > 0;) {
@@ -183,8 +185,8 @@ static void correct(haft_psd_table *factor, const ring_sums *sums) {
     }
 }
 
-/* The product, of a variance: at the factor's points and the corners of the wanted PSD, between
- * which both are powers. */
+/* The wanted PSD times the factor, scaled to the wanted variance. Its points are those of the
+ * factor and the corners of the wanted PSD; between them both are power laws. */
 static haft_status multiply(haft_psd_table **out, const haft_psd_table *factor,
                             const surface_radial *wanted, haft_error *error) {
     size_t corners = wanted->table != NULL ? wanted->table->n : 1, a = 0, b = 0, n = 0;
