@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Condensed water at a humidity, by Kelvin's law; a meniscus of constant pressure and range. And
- * the film that a hydrophilic surface carries besides, by a table. */
+/* Condensed water at a humidity, by Kelvin's law: a meniscus of constant pressure and range. And
+ * the adsorbed film on a hydrophilic surface, by a table. */
 #include <gsl/gsl_const_mksa.h>
 #include <math.h>
 

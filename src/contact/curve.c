@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* f(d) of a patch. One pass over the heights counts them for the wet area at all distances, and
- * lists the few points above the lowest distance for the asperities. Curves that differ in the
- * water alone share the pass and the asperities. Elastic interaction of asperities is left out. */
+ * lists the few points above the lowest distance for the asperities. Curves that differ only in the
+ * water share this pass and the asperities. Elastic interaction of asperities is neglected. */
 #include <math.h>
 #include <string.h>
 
@@ -45,7 +45,7 @@ haft_status haft_contact_work_create(haft_contact_work **out, size_t rows, size_
     return HAFT_OK;
 }
 
-/* What make_room() makes. */
+/* Frees the arrays of make_room(). */
 static void free_room(haft_contact_work *work) {
     haft_memory_free(work->level_data);
     haft_memory_free(work->wet.at);
@@ -187,7 +187,7 @@ static size_t list_above(double d, const double *z, uint32_t first, size_t n, ui
     return k;
 }
 
-/* 0 z is no number just where z is not finite, and a sum keeps that. */
+/* 0 z is NAN exactly if z is not finite, and a NAN stays in the sum. */
 static bool all_finite(const double *z, size_t n) {
     double sum[LANES] = {0};
     size_t j = 0;
@@ -202,7 +202,7 @@ static bool all_finite(const double *z, size_t n) {
     return !isnan((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
-/* What is asked of a patch: n curves of it, each by its spec. */
+/* n curves of one patch, with a spec for each. */
 typedef struct request {
     const haft_patch *patch;
     size_t n;
@@ -210,7 +210,7 @@ typedef struct request {
     haft_curve *curve;
 } request;
 
-/* Whether the asperities of two curves have the same tally: all but the water is the same. */
+/* Whether two curves have the same tally: they may differ only in the water. */
 static bool same_asperities(const request *q, size_t i, size_t j) {
     const haft_contact_spec *a = &q->spec[i], *b = &q->spec[j];
     const haft_vdw *v = &a->vdw, *w = &b->vdw;
@@ -223,8 +223,8 @@ static bool same_asperities(const request *q, size_t i, size_t j) {
            memcmp(q->curve[i].distance, q->curve[j].distance, n * sizeof(double)) == 0;
 }
 
-/* Sets up the wet thresholds of the curves from the first on that share its asperities and see
- * water. @return how many */
+/* Sets up the wet thresholds of the curves from `first` on that share its asperities and have
+ * water. @return the number of these curves */
 static size_t set_up_wet(haft_contact_work *work, const request *q, size_t first) {
     const haft_curve *curve = &q->curve[first];
     size_t count = 0;
@@ -239,8 +239,8 @@ static size_t set_up_wet(haft_contact_work *work, const request *q, size_t first
     return count;
 }
 
-/* The one pass for all curves of the same asperities; false if a height is not finite, the first of
- * them in the row *row. */
+/* The pass over the heights for all curves with the same asperities; false if a height is not
+ * finite; *row is the row of the first such height. */
 static bool scan(haft_contact_work *work, const haft_patch *patch, double lowest, bool wet,
                  size_t *above, size_t *row) {
     size_t points = patch->rows * patch->columns, found = 0;
@@ -264,7 +264,7 @@ static bool scan(haft_contact_work *work, const haft_patch *patch, double lowest
     return true;
 }
 
-/* The curve of a tally and the shares of wet points, NULL without water. */
+/* The curve from a tally and the shares of wet points (NULL without water). */
 static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
                          const haft_tally *tally, const double *wet, haft_curve *curve) {
     double nominal = (double)patch->rows * (double)patch->columns * patch->step * patch->step;
@@ -287,7 +287,7 @@ static void put_together(const haft_contact_spec *spec, const haft_patch *patch,
     }
 }
 
-/* The curves from the first on that share its asperities. */
+/* Makes the curves from `first` on that share its asperities. */
 static haft_status make_alike(haft_contact_work *work, const request *q, size_t first,
                               haft_error *error) {
     const haft_contact_spec *spec = &q->spec[first];
@@ -330,7 +330,7 @@ static haft_status make_alike(haft_contact_work *work, const request *q, size_t 
     return HAFT_OK;
 }
 
-/* Whether a curve before shares its asperities: then it was made with that. */
+/* Whether the curve was already made, together with one before it that shares its asperities. */
 static bool is_made(const request *q, size_t i) {
     for (size_t j = 0; j < i; j++) {
         if (same_asperities(q, j, i)) {

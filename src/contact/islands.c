@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Islands: 8-connected regions above the distance, each a paraboloid of its area A and volume V.
- * The water falls: points come up in bunches between one distance and the next, join or found
- * islands by union-find, and each island carries its number of points and their heights' sum.
- * Within a bunch the order cannot matter, so points are counted into bunches rather than sorted.
+/* Islands: 8-connected regions above the distance, each a paraboloid with the region's area A and
+ * volume V. The distance decreases in steps. In each step a bunch of points emerges between one
+ * distance and the next. Each point joins or creates an island by union-find, and each island keeps
+ * its number of points and the sum of their heights. The order within a bunch does not matter, so a
+ * counting sort by bunch is enough.
  *
  * With penetration 2V/A and radius A^2/(4 pi V), sqrt(R) delta^(3/2) = sqrt(2/pi) V / sqrt(A) and
  * the Hertz area is A/2. An island cut by the patch's border counts with the part inside. */
@@ -12,14 +13,15 @@
 #include "contact/patch.h"
 
 typedef struct islands {
-    uint32_t *label; /* of each point, framed by empty points: 1 + its island, 0 while below */
+    uint32_t *label; /* of each point, within a frame of empty points: 1 + its island, 0 if below
+                        the distance */
     uint32_t *parent, *count, *live;
     double *sum;
     uint32_t total, alive;
     bool fitted;
 } islands;
 
-/* Whether it stands for an asperity; a sphere fitted to points needs three of them. */
+/* Whether an island counts as an asperity; fitting a sphere needs three points. */
 static inline bool is_counted(const islands *all, uint32_t island) {
     return !all->fitted || all->count[island] >= 3;
 }
@@ -75,7 +77,7 @@ static void add_point(islands *all, size_t place, size_t pitch, double rise) {
     all->sum[mine] += rise;
 }
 
-/* Takes those merged into others off the list. */
+/* Removes islands that were merged into others from the list. */
 static void drop_merged(islands *all) {
     uint32_t kept = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
@@ -87,7 +89,7 @@ static void drop_merged(islands *all) {
     all->alive = kept;
 }
 
-/* Sums over the islands at a depth above the lowest distance. */
+/* Sums over the islands, at a distance `depth` above the lowest. */
 static void add_up(const islands *all, double depth, double *push, double *points, double *number) {
     double sum = 0, covered = 0, counted = 0;
     for (uint32_t k = 0; k < all->alive; k++) {
@@ -105,10 +107,10 @@ static void add_up(const islands *all, double depth, double *push, double *point
     *number = counted;
 }
 
-/* The same with each island a Maugis sphere. Its pull is at most the adhesive strength over its
- * area, which is all that is within range, and what a rigid paraboloid has: else an island of one
- * point a hair above the level, whose radius has no bound, would pull without bound, as those
- * fitted do. */
+/* The same, with a Maugis sphere for each island. Its pull is limited to the adhesive strength
+ * times its area, which is all the area within range, and is the pull of a rigid paraboloid.
+ * Otherwise an island of one point just above the level would have an unbounded radius and pull, as
+ * with `fitted`. */
 static void add_spheres(const islands *all, double depth, double step,
                         const haft_adhesion *adhesion, double *push, double *area, double *number) {
     double sum = 0, covered = 0, touching = 0;
@@ -130,7 +132,7 @@ static void add_spheres(const islands *all, double depth, double step,
     *number = touching;
 }
 
-/* The points of a bunch lie far apart: what the coming ones need is asked of memory in time. */
+/* Prefetches the data of a point: the points of a bunch are far apart in memory. */
 enum { AHEAD = 12 };
 static inline void call_up(const islands *all, const haft_patch *patch, uint32_t point) {
     size_t pitch = patch->columns + 1;
@@ -141,8 +143,8 @@ static inline void call_up(const islands *all, const haft_patch *patch, uint32_t
     __builtin_prefetch(label + 2 * pitch);
 }
 
-/* Orders the found points by the number of distances they exceed, most first; next[level] becomes
- * the end of that level's stretch. */
+/* Sorts the found points by the number of distances that they exceed, in decreasing order;
+ * next[level] becomes the end of that level's range. */
 static void make_bunches(haft_contact_work *work, const haft_patch *patch,
                          const haft_levels *distances, size_t n, uint32_t *order) {
     uint32_t *counts = work->counts, *next = work->counts + distances->n + 1;
@@ -167,7 +169,7 @@ void haft_contact_islands(haft_contact_work *work, const haft_patch *patch,
     uint32_t *order = work->spare;
     make_bunches(work, patch, levels, n, order);
     const uint32_t *end = work->counts + levels->n + 1;
-    size_t pitch = patch->columns + 1; /* one empty point ends a row and begins the next */
+    size_t pitch = patch->columns + 1; /* one empty point separates two rows */
     islands all = {.label = work->found,
                    .parent = work->top_parent,
                    .count = work->top_count,

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sphere against a plane with adhesion of constant stress and finite range (Maugis 1992), and the
- * same without touching (Kim, McMeeking and Johnson 1998).
+ * same without contact (Kim, McMeeking and Johnson 1998).
  *
  * With m = c/a = 1/cos(theta) the energy balance is a quadratic in c whose coefficients are entire
- * functions of theta, so approach, force and radii are explicit in theta and smooth through a = 0,
- * where the touching branch goes over into the other. Only the way back, from an approach to its
- * theta, is iterated: by Newton's method inside a bracket that is made to shrink. Approach falls
- * with theta up to the fold, which is found the same way. Without touching all is in closed form.
- */
+ * functions of theta. So approach, force and radii are explicit in theta and smooth through a = 0,
+ * where the touching branch continues in the other one. Only the inverse, from an approach to its
+ * theta, is iterated, by Newton's method within a shrinking bracket. The approach decreases with
+ * theta up to the fold, which is found by bisection. Without contact everything is in closed
+ * form. */
 #include "contact/maugis.h"
 
 #include <math.h>
@@ -15,7 +15,8 @@
 enum { TERMS = 10, ITERATIONS = 200 };
 
 /* A = sin(2 theta)/2 - theta cos(2 theta) and B = theta sin(theta) + cos(theta) - 1, given sine and
- * cosine; at small angles, where these cancel, their series, the rest below 1e-17 of the first. */
+ * cosine. At small angles, where the terms cancel, their series are used, with a remainder below
+ * 1e-17 of the first term. */
 static void energy_terms(double theta, double s, double u, double *a, double *b) {
     static const double SERIES = 0.7;
     static const double A[TERMS] = {4.0 / 3,
@@ -95,7 +96,8 @@ double haft_maugis_first_angle(double lambda) {
 }
 
 double haft_maugis_angle(double lambda, double first, double approach) {
-    /* Newton in log(theta), for approach goes with a power of it, theta^-3 at last. */
+    /* Newton in log(theta), because the approach is close to a power of theta, theta^-3 in the
+     * limit. */
     double low = log(first), high = low;
     do {
         low -= 1;

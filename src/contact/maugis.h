@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A Maugis sphere in the units of haft_maugis: what its direct solution and its table share, and
- * how the table is read for many approaches of one sphere. */
+/* A Maugis sphere in the units of haft_maugis: functions common to the direct solution and the
+ * table, and the table for many approaches of one sphere. */
 #ifndef HAFT_CONTACT_MAUGIS_H
 #define HAFT_CONTACT_MAUGIS_H
 
@@ -9,40 +9,41 @@
 /* A point of the touching branch. */
 typedef struct haft_maugis_point {
     double approach, force, radius, reach;
-    double approach_slope, force_slope; /* by theta */
+    double approach_slope, force_slope; /* derivatives by theta */
 } haft_maugis_point;
 
-/* At theta = arcsec(c/a): pi/2 where the sphere touches in a point, 0 in the deep. */
+/* The point at theta = arcsec(c/a): pi/2 at point contact, 0 in the limit of deep contact. */
 haft_maugis_point haft_maugis_at(double lambda, double theta);
 
-/* The lambda at which the fold is the point contact: below it the untouched branch ends in the
- * fold, above it the touching one. */
+/* The lambda at which the fold is at the point contact, about 0.938. Below it the branch without
+ * contact ends in the fold, above it the touching branch does. */
 double haft_maugis_meeting(void);
 
-/* The angle at which the touching branch's stable part begins: its fold or the point contact. */
+/* The angle at which the stable part of the touching branch begins: its fold or the point
+ * contact. */
 double haft_maugis_first_angle(double lambda);
 
-/* The angle below `first` with this approach, which is above that of `first`. */
+/* The angle below `first` with this approach, which must exceed the approach at `first`. */
 double haft_maugis_angle(double lambda, double first, double approach);
 
-/* The reach c of the untouched sphere and its fold's, c_f = 8 lambda/(3 pi). */
+/* The reach c of a sphere without contact, and its value at the fold, c_f = 8 lambda/(3 pi). */
 double haft_maugis_untouched(double lambda, double approach);
 double haft_maugis_fold_reach(double lambda);
 
-/* One sphere. */
+/* The force curve of one sphere. */
 typedef struct haft_maugis_curve {
     const haft_maugis_table *table;
-    double lambda, place; /* in its strip, -1 to 1 */
+    double lambda, place; /* its place in the strip, -1 to 1 */
     int strip;
-    double begin; /* approach where the touching branch begins */
-    double end;   /* approach below which nothing pulls */
+    double begin; /* approach at which the touching branch begins */
+    double end;   /* zero force below this approach */
 } haft_maugis_curve;
 
-/* lambda within the table. */
+/* The curve of a lambda, clamped to the range of the table. */
 haft_maugis_curve haft_maugis_curve_of(const haft_maugis_table *table, double lambda,
                                        haft_vdw_path path);
 
-/* Force, and the contact radius into *radius. */
+/* The force, and in *radius the contact radius. */
 double haft_maugis_force(const haft_maugis_curve *curve, double approach, double *radius);
 
 #endif

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The touching branch as a table: polynomials in two variables on a grid of cells.
+/* Table of the touching branch: polynomials in two variables on a grid of cells.
  *
- * Against approach the branch begins with a square root, so the variables are log(lambda) and
- * (1 + s)^(-1/2), s^2 the approach above the branch's beginning: its fold, or, where that lies on
- * the other branch, the point contact. What is tabulated is force and radius less their growth. At
- * one lambda the two beginnings meet and the branch is no smooth function of s. There strips end,
- * and a cell that misses the stated accuracy at points between its nodes, as some close by do, is
- * marked and solved directly. So is what lies beyond the last cell. */
+ * The branch begins with a square root of the approach, so the variables are log(lambda) and (1 +
+ * s)^(-1/2). s^2 is the approach above the beginning of the branch: its fold or, if that is on the
+ * other branch, the point contact. The table contains force and radius minus their growth with s.
+ * At one lambda, the meeting, both beginnings coincide, and the branch is not a smooth function of
+ * s. Strips end there. Cells that do not reach the stated accuracy at points between their nodes,
+ * as some near the meeting, are marked and solved directly. So are approaches beyond the last
+ * cell. */
 #include <math.h>
 
 #include "contact/maugis.h"
 
 enum {
-    NODES = 6, /* of a cell, each way */
+    NODES = 6, /* of a cell, in each direction */
     CHECKS = 5,
     BELOW = 54, /* strips below and above the meeting */
     ABOVE = 26,
@@ -21,18 +22,18 @@ enum {
     FIRST_NODES = 10,
 };
 static const double S_END = 40;
-/* Half of what is stated, for a cell is checked at some of its points. */
+/* Half of the stated accuracy, because a cell is checked only at some points. */
 static const double TOLERANCE = 0.5 * HAFT_MAUGIS_ACCURACY;
 
-/* Coefficients of powers of the place in lambda (first index) and in s, force and radius by turns.
- */
+/* Coefficients of powers of the place in lambda (first index) and in s; those of force and radius
+ * alternate. */
 typedef struct table_cell {
     bool sound;
     double c[NODES][2 * NODES];
 } table_cell;
 
 typedef struct table_strip {
-    double first[FIRST_NODES]; /* angle of the beginning, powers of the place in lambda */
+    double first[FIRST_NODES]; /* first angle, as powers of the place in lambda */
     table_cell cell[CELLS];
 } table_strip;
 
@@ -40,7 +41,7 @@ struct haft_maugis_table {
     table_strip strip[STRIPS];
 };
 
-/* Chebyshev's nodes, and from values there to coefficients of powers, in place. */
+/* Chebyshev nodes, and the conversion of values there to coefficients of powers, in place. */
 static double node(int i, int n) {
     return cos(M_PI * (i + 0.5) / n);
 }
@@ -57,7 +58,7 @@ static void make_powers(double *values, int n, int stride) {
         for (int i = 0; i < n; i++) {
             powers[i] += weight * now[i];
         }
-        if (k > 0) { /* T_{k+1} = 2 x T_k - T_{k-1} takes the place of T_{k-1} */
+        if (k > 0) { /* T_{k+1} = 2 x T_k - T_{k-1} replaces T_{k-1} */
             for (int i = n - 1; i >= 0; i--) {
                 last[i] = (i > 0 ? 2 * now[i - 1] : 0) - last[i];
             }
@@ -91,7 +92,7 @@ static double lambda_at(int k, double place) {
     return from * pow(to / from, x);
 }
 
-/* The cells are even in t = (1 + s)^(-1/2). */
+/* The cells are uniform in t = (1 + s)^(-1/2). */
 static double cell_width(void) {
     return (1 - 1 / sqrt(1 + S_END)) / CELLS;
 }
@@ -101,13 +102,13 @@ static double s_at(int k, double place) {
     return 1 / (t * t) - 1;
 }
 
-/* Of force and radius, what grows with s. */
+/* The growth of force and radius with s, which is not tabulated. */
 static void growth(double begin, double s, double out[2]) {
     out[0] = s * (s * s + 1.5 * begin);
     out[1] = s;
 }
 
-/* Force and radius less their growth, solved; `first` is the angle of the beginning. */
+/* Force and radius minus their growth, by direct solution; `first` is the first angle. */
 static void solve(double lambda, double first, double begin, double s, double out[2]) {
     double theta = s > 0 ? haft_maugis_angle(lambda, first, begin + s * s) : first;
     haft_maugis_point point = haft_maugis_at(lambda, theta);
@@ -136,7 +137,7 @@ static inline void evaluate(const table_cell *cell, double place_s, double place
     out[1] = radius;
 }
 
-/* All cells of a strip at one lambda of theirs: a column of values in each. */
+/* Fills a column of values in all cells of a strip, at one lambda. */
 static void fill_column(table_strip *strip, int k, int j) {
     double lambda = lambda_at(k, node(j, NODES)), first = haft_maugis_first_angle(lambda);
     double begin = haft_maugis_at(lambda, first).approach;
@@ -147,7 +148,7 @@ static void fill_column(table_strip *strip, int k, int j) {
     }
 }
 
-/* Marks the cells of a strip that are good enough at the places between the nodes. */
+/* Marks the cells of a strip as unsound that are not accurate enough between the nodes. */
 static void check_column(table_strip *strip, int k, double place) {
     double lambda = lambda_at(k, place), first = haft_maugis_first_angle(lambda);
     double begin = haft_maugis_at(lambda, first).approach;
@@ -214,8 +215,8 @@ double haft_maugis_table_gaps(const haft_maugis_table *table) {
     return gaps / (STRIPS * CELLS);
 }
 
-/* The approach where the touching branch begins: exact below the meeting, and above it, where
- * approach is least, better than the angle by its square. */
+/* The approach at which the touching branch begins. Below the meeting it is exact. Above, its error
+ * is the square of the angle's, since the approach has a minimum there. */
 static double find_begin(const table_strip *strip, bool below, double lambda, double place) {
     double first = 0.5 * M_PI;
     if (!below) {

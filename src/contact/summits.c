@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Summits: points not lower than any of their 8 neighbours; of equal neighbours the first in the
- * scan counts. Apex and mean curvature come from the quadratic with the central differences of the
- * 3 x 3 block: through the centre and its four neighbours, with the corners' cross difference. So
- * the curvature at a maximum is never negative and the apex never below its sample. Where the cross
- * term spoils the maximum or throws the apex further than a step, it is left out.
+/* Summits: points no lower than their 8 neighbours; of equal neighbours the first in the scan
+ * counts. Apex and mean curvature come from the quadratic with the central differences of the 3 x 3
+ * block, through the centre and its four neighbours, with the cross difference of the corners. So
+ * the curvature at a maximum is never negative, and the apex is never below its sample. The cross
+ * term is omitted if with it there is no maximum, or the apex is further than a step.
  *
- * A patch owns half a step beyond its border points. A border point that is highest among the
- * neighbours it has counts if the quadratic of the nearest whole block has its apex within that;
- * otherwise the apex is the adjoining patch's. So a cut neither loses nor doubles a parabolic
- * asperity.
+ * A patch extends half a step beyond its border points. A border point that is highest among its
+ * existing neighbours counts if the quadratic of the nearest complete block has its apex inside the
+ * patch; otherwise the apex belongs to the adjoining patch. So a cut neither loses nor duplicates a
+ * parabolic asperity.
  *
- * A flat block has no radius; 1000 patch diagonals stand for it, so that a flat patch still
- * pushes. */
+ * A flat block gets a radius of 1000 patch diagonals, so that a flat patch pushes too. */
 #include <math.h>
 #include <string.h>
 
@@ -21,7 +20,8 @@ typedef struct summit {
     double height, radius;
 } summit;
 
-/* Whether no neighbour is higher; z points at the sample, `up` etc. tell which sides exist. */
+/* Whether no neighbour is higher; z points at the sample, and `up` etc. say which neighbours
+ * exist. */
 static bool is_highest(const double *z, size_t columns, bool left, bool right, bool up, bool down) {
     double h = *z;
     if ((left && z[-1] >= h) || (right && z[1] > h)) {
@@ -42,10 +42,10 @@ static bool is_highest(const double *z, size_t columns, bool left, bool right, b
     return true;
 }
 
-/* Where the three points of a difference lie along one axis: about the sample, or, at a border,
- * from it inwards; and the weights of the first difference there. The second is 1, -2, 1. */
+/* The three points of a difference along one axis, centred at the sample or, at a border, from the
+ * sample inwards, and the weights of the first difference. Those of the second are 1, -2, 1. */
 typedef struct axis {
-    int side; /* 0 inside; at a border the inward direction, 1 or -1 */
+    int side; /* 0 inside; at a border, the inward direction, 1 or -1 */
     ptrdiff_t at[3];
     double first[3];
 } axis;
@@ -59,7 +59,7 @@ static axis make_axis(size_t i, size_t n, size_t stride) {
     return (axis){side, {0, side * s, 2 * side * s}, {-1.5 * side, 2.0 * side, -0.5 * side}};
 }
 
-/* Gradient and second differences about a sample, per step; x runs along the columns. */
+/* Gradient and second differences at a sample, per step; x is the direction of the column index. */
 typedef struct quadratic {
     double x, y, xx, yy, xy;
 } quadratic;
@@ -83,12 +83,12 @@ static double along(double slope, double bend) {
     return bend < 0 ? -slope / bend : 0;
 }
 
-/* Whether an apex is no further than half a step beyond the border, if there is one. */
+/* Whether an apex is at most half a step beyond the border, if there is one. */
 static bool is_owned(const axis *a, double shift, double bend) {
     return a->side == 0 || (bend < 0 && a->side * shift >= -0.5);
 }
 
-/* Height above the sample of the apex; false if it lies beyond the border. */
+/* Finds the height of the apex above the sample; false if the apex is outside the patch. */
 static bool find_apex(const quadratic *q, const axis *row, const axis *column, double *rise) {
     double det = q->xx * q->yy - q->xy * q->xy;
     double x = (q->xy * q->y - q->yy * q->x) / det;
@@ -120,7 +120,7 @@ static bool measure(const haft_patch *patch, size_t i, size_t j, summit *out) {
     out->radius = bend > 0 ? fmin(patch->step * patch->step / bend, flat) : flat;
     return true;
 }
-/* Writes the summits in the order of the scan and counts them by how many levels they exceed. */
+/* Writes the summits in scan order, and counts them by the number of levels that they exceed. */
 static size_t collect(haft_contact_work *work, const haft_patch *patch, const haft_levels *levels,
                       size_t n, summit *out, uint32_t *counts) {
     size_t columns = patch->columns, total = 0, row = 0, row_end = columns;
@@ -138,7 +138,7 @@ static size_t collect(haft_contact_work *work, const haft_patch *patch, const ha
     return total;
 }
 
-/* Each summit a Maugis sphere, at all levels that feel it. */
+/* Adds a Maugis sphere for each summit at all levels within its reach. */
 static void add_spheres(const summit *scan, size_t total, const haft_levels *levels,
                         const haft_adhesion *adhesion, const haft_tally *tally) {
     for (size_t j = 0; j < levels->n; j++) {
@@ -168,7 +168,7 @@ void haft_contact_summits(haft_contact_work *work, const haft_patch *patch,
         add_spheres(scan, total, levels, adhesion, tally);
         return;
     }
-    /* The highest first, so that those above any distance are a leading stretch. */
+    /* Highest first, so that the summits above a distance come first. */
     uint32_t before = 0;
     for (size_t level = levels->n + 1; level-- > 0;) {
         next[level] = before;

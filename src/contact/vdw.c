@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Van der Waals attraction: from the Hamaker constant to a stress of finite range, and from an
- * asperity of a patch to the Maugis sphere that stands for it. */
+/* Van der Waals attraction: the stress of finite range for a Hamaker constant, and the Maugis
+ * sphere for an asperity of a patch. */
 #include "contact/vdw.h"
 
 #include <math.h>
@@ -27,7 +27,8 @@ static double lambda_of(const haft_vdw *vdw, double modulus, double radius) {
     return vdw->stress * cbrt(9 * radius / (2 * M_PI * vdw->energy * modulus * modulus));
 }
 
-/* What no sampled asperity is sharper than, and what haft_contact_summits() gives a flat top. */
+/* Limits of asperity radii. No sampled asperity is sharper than the smallest;
+ * haft_contact_summits() uses the largest for flat ones. */
 static double least_radius(double step) {
     return 1e-3 * step;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The wet area of all curves in one pass. A point is wet at distance d where its height is above
- * d - range, so the thresholds d - range of all curves are put in one order, and each point is
- * counted once, between two of them. It finds its place by the bin of an even grid that it falls
- * into: the thresholds of the bins before lie below it, those of its own are compared with, and
- * which bin a height is in never falls with the height, so that the counts are exact. */
+/* The wet area of all curves in one pass. A point is wet at distance d if its height is above d -
+ * range. So the thresholds d - range of all curves are sorted together, and each point is counted
+ * once, between two of them. The bin of a uniform grid locates it: thresholds in lower bins are
+ * below the point, and those in its own bin are compared with it. The counts are exact, because the
+ * bin is a non-decreasing function of the height even with rounding. */
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@
 
 enum { LANES = HAFT_CONTACT_LANES, BINS = HAFT_WET_BINS };
 
-/* The bins of heights, many at an instruction. */
+/* The bins of heights, vectorised. */
 HAFT_CLONES static void find_bins(double first, double per_bin, const double *restrict z, size_t n,
                                   int32_t *restrict bin) {
     for (size_t j = 0; j < n; j++) {
@@ -22,7 +22,7 @@ HAFT_CLONES static void find_bins(double first, double per_bin, const double *re
     }
 }
 
-/* Merges the curves' thresholds, each an even grid shifted, into one order. */
+/* Merges the thresholds of all curves, each a shifted uniform grid, into one sorted array. */
 static void merge(haft_wet *wet, size_t curves, const double *shift, const double *distance,
                   size_t n, size_t *next) {
     memset(next, 0, curves * sizeof *next);
@@ -64,8 +64,8 @@ void haft_wet_set_up(haft_wet *wet, size_t curves, const double *shift, const do
     memset(wet->counts, 0, LANES * (count + 1) * sizeof *wet->counts);
 }
 
-/* Counts LANES times by turns, for neighbours fall between the same thresholds and would wait on
- * each other. */
+/* Alternates between LANES counts: neighbouring points fall between the same thresholds, and
+ * increments of one counter would wait for each other. */
 void haft_wet_count(const haft_wet *wet, const double *z, size_t n) {
     int32_t bin[HAFT_CONTACT_CHUNK];
     find_bins(wet->first, wet->per_bin, z, n, bin);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a curve's force vanishes, looked for from the greatest pull inwards, linear between
- * distances. Not from the far end: one tall asperity that pushes alone makes a zero of its own,
- * long before the surfaces meet. */
+/* The zero-force distance of a curve, searched inwards from the largest pull, with linear
+ * interpolation. The search does not start at the far end, because a single tall asperity can cause
+ * a zero crossing long before the surfaces meet. */
 #include "haft/contact.h"
 
-/* Whether the force, going back from point j over zeros, is a push. */
+/* Whether the last nonzero force at or before point j is a push. */
 static bool was_push(const double *force, size_t j) {
     while (j > 0 && force[j] == 0) {
         j--;
