@@ -180,8 +180,7 @@ void haft_model_gaps(const haft_model *model, const double *u, double *d);
 /** Displacements of all sites but the inert ones, those of haft_model_displacement() to the bit.
  *  @param[in] model the structure
  *  @param[in] v dofs scaled unknowns, or a direction in them
- *  @param[out] w haft_simd_padded(sites) [m]; inert sites' are left alone, those from `sites` on
- * are set to 0. Thread-safe. */
+ *  @param[out] w sites [m]; inert sites' are left alone. Thread-safe. */
 void haft_model_displacements(const haft_model *model, const double *v, double *w);
 
 /** How many of a model's inert sites, from the first on, are farther from the substrate than they

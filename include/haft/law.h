@@ -148,9 +148,8 @@ haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *
 /** Frees rows and sets the pointer to NULL; NULL is allowed. */
 void haft_law_rows_destroy(haft_law_rows **rows);
 
-/** Where values of many laws go, each array of haft_simd_padded(n): see haft_law_value. Asked for
- *  are all four, or all but the curvature, which is NULL then, or the force alone, the others NULL.
- */
+/** Arrays for the values of n laws, see haft_law_value: all four; or all but the curvature, which
+ * is then NULL; or the force alone, the others NULL. */
 typedef struct haft_law_values {
     double *force;     /**< [Pa] */
     double *slope;     /**< [Pa/m] */
@@ -163,8 +162,8 @@ typedef struct haft_law_values {
  *  @param[in] rows the laws
  *  @param[in] first the first of them asked for
  *  @param[in] n how many, first + n at most as many as there are
- *  @param[in] d haft_simd_padded(n) gaps [m]; those from n on may be read and must be finite
- *  @param[out] out those from n on are of no law
+ *  @param[in] d [n] gaps [m]
+ *  @param[out] out [n] each
  *  @return how many, from the first on, are known to be nil, as a free span's are: set to 0. All n,
  *  or whole lanes.
  *  Thread-safe. */

@@ -26,12 +26,21 @@ typedef struct stretch_state {
     double potential[HAFT_STRETCH_ROOM];
 } stretch_state;
 
-/* @return how many are nil, from the first on */
+/* Loops go on to a multiple of the SIMD width. */
+static void clear_padding(double *values, size_t n) {
+    memset(values + n, 0, HAFT_SIMD_WIDTH * sizeof *values);
+}
+
+/* @return how many laws are zero, from the first on */
 static size_t evaluate_stretch(const haft_model *model, const haft_stretch *s,
                                const haft_law_rows *laws, const double *u, stretch_state *out) {
     haft_stretch_gaps(model, s, u, out->d);
     haft_law_values values = {out->force, out->slope, NULL, out->potential};
-    return haft_law_rows_evaluate(laws, s->first, haft_stretch_sites(model, s), out->d, &values);
+    size_t n = haft_stretch_sites(model, s);
+    clear_padding(out->force, n);
+    clear_padding(out->slope, n);
+    clear_padding(out->potential, n);
+    return haft_law_rows_evaluate(laws, s->first, n, out->d, &values);
 }
 
 /* Multiplies forces [Pa] by areas, in units of energy, and slopes likewise with their sign turned,
@@ -151,6 +160,7 @@ void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, con
         haft_stretch_gaps(model, s, u, d);
         size_t sites = haft_stretch_sites(model, s);
         size_t nil = haft_law_rows_evaluate(laws, s->first, sites, d, &values);
+        clear_padding(force, sites);
         weigh_forces(model->layout->area + s->first, nil, sites, model->energy_unit, force);
         haft_stretch_assemble(model, s, nil, force, force, gradient, NULL);
     }

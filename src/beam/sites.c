@@ -371,7 +371,9 @@ void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_
 void haft_model_displacements(const haft_model *model, const double *v, double *w) {
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
-        haft_stretch_displacements(model, s, v, w + s->first);
+        double own[HAFT_STRETCH_ROOM];
+        haft_stretch_displacements(model, s, v, own);
+        memcpy(w + s->first, own, haft_stretch_sites(model, s) * sizeof *w);
     }
 }
 

@@ -182,8 +182,8 @@ HAFT_CLONES static size_t evaluate_wings(const haft_law_rows *rows, size_t first
     }
 }
 
-/* How many of n evaluated laws are zero, counted from the first, in whole lanes. */
-static size_t count_nil(size_t n, const haft_law_values *out) {
+/* The number of leading laws that evaluated to zero: all n, or a multiple of the SIMD width. */
+static size_t count_zeros(size_t n, const haft_law_values *out) {
     size_t i = 0;
     while (i < n && out->force[i] == 0 &&
            (out->slope == NULL || (out->slope[i] == 0 && out->potential[i] == 0)) &&
@@ -193,18 +193,43 @@ static size_t count_nil(size_t n, const haft_law_values *out) {
     return i < n ? i / LANES * LANES : n;
 }
 
+/* Morse laws of the last, incomplete group, through arrays that are complete. @return as
+ * evaluate_wings() */
+static size_t evaluate_rest(const haft_law_rows *rows, size_t first, size_t n, const double *d,
+                            asked what, const haft_law_values *out, size_t i) {
+    double gap[LANES], value[4][LANES];
+    haft_law_values own = {value[0], what != FORCE ? value[1] : NULL, what == ALL ? value[2] : NULL,
+                           what != FORCE ? value[3] : NULL};
+    size_t count = n - i, size = count * sizeof *d;
+    for (size_t k = 0; k < LANES; k++) {
+        gap[k] = d[i + (k < count ? k : 0)];
+    }
+    size_t zeros = evaluate_wings(rows, first + i, count, gap, what, &own);
+    memcpy(out->force + i, own.force, size);
+    if (what != FORCE) {
+        memcpy(out->slope + i, own.slope, size);
+        memcpy(out->potential + i, own.potential, size);
+    }
+    if (what == ALL) {
+        memcpy(out->curvature + i, own.curvature, size);
+    }
+    return zeros;
+}
+
 size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                               const haft_law_values *out) {
     asked what = out->slope == NULL ? FORCE : out->curvature == NULL ? NO_CURVATURE : ALL;
-    size_t zeros = 0;
+    size_t zeros = 0, whole = n / LANES * LANES;
     if (rows->tables < rows->laws) {
-        zeros = evaluate_wings(rows, first, n, d, what, out);
-    } else if (n > 0) {
-        set_zero(what, out, (n - 1) / LANES * LANES); /* the lanes behind the last law */
+        zeros = evaluate_wings(rows, first, whole, d, what, out);
+        if (whole < n) {
+            size_t more = evaluate_rest(rows, first, n, d, what, out, whole);
+            zeros += zeros == whole ? more : 0;
+        }
     }
     if (rows->tables > 0) {
         haft_law_tables_evaluate(rows->table + first, n, d, out);
-        zeros = count_nil(n, out);
+        zeros = count_zeros(n, out);
     }
     return zeros;
 }

@@ -79,7 +79,7 @@ typedef struct haft_work {
     double *scratch[4];              /* n each */
     double *stage[3];                /* n each: the flow's stages */
     double *pair;                    /* 2 n: two right-hand sides solved together */
-    double *site[HAFT_SITE_SCRATCH]; /* haft_simd_padded(sites) each */
+    double *site[HAFT_SITE_SCRATCH]; /* sites each */
 } haft_work;
 
 typedef struct haft_tracker {

@@ -95,9 +95,8 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     double **vector[VECTORS], **site_vector[SITE_VECTORS];
     list_vectors(t, vector);
     list_site_vectors(t, site_vector);
-    size_t lanes = haft_simd_padded(t->model->sites);
     if (!allocate_list(vector, VECTORS, t->n, error) ||
-        !allocate_list(site_vector, SITE_VECTORS, lanes, error)) {
+        !allocate_list(site_vector, SITE_VECTORS, t->model->sites, error)) {
         return HAFT_ERROR_MEMORY;
     }
     t->work.pair = haft_memory_alloc(2 * t->n, sizeof(double), error);

@@ -244,10 +244,9 @@ static void sites_together_are_as_site_by_site(void **state) {
         haft_mesh_spec mesh = {(haft_mesh_kind)kind, 75e-6, 6e-6, 60e-6, 99e-6};
         haft_model *m = NULL;
         check_ok(haft_model_create_beam(&m, &BEAM, &mesh, &error), error);
-        size_t room = haft_simd_padded(m->sites);
         double *u = haft_memory_alloc(m->dofs, sizeof *u, &error);
-        double *w = haft_memory_alloc(room, sizeof *w, &error);
-        double *force = haft_memory_alloc(room, sizeof *force, &error);
+        double *w = haft_memory_alloc(m->sites, sizeof *w, &error);
+        double *force = haft_memory_alloc(m->sites, sizeof *force, &error);
         double *sum = haft_memory_alloc(m->dofs, sizeof *sum, &error);
         double *expected = haft_memory_alloc(m->dofs, sizeof *expected, &error);
         for (size_t i = 0; i < m->dofs; i++) {

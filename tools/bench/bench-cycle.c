@@ -153,7 +153,7 @@ typedef struct bare_laws {
 
 static void make_bare_laws(bare_laws *b, const haft_model *m, const haft_law *laws,
                            const haft_path *path, haft_error *error) {
-    *b = (bare_laws){.sites = m->sites - m->inert, .room = haft_simd_padded(m->sites)};
+    *b = (bare_laws){.sites = m->sites - m->inert, .room = m->sites};
     b->d = haft_memory_alloc(4 * b->room, sizeof *b->d, error);
     must(b->d == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
     must(haft_law_rows_create(&b->rows, b->sites, laws + m->inert, error), error);
