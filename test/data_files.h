@@ -59,14 +59,14 @@ static inline void data_write_results(const char *path, double load) {
     haft_law law = {.kind = HAFT_LAW_MORSE};
     haft_law_vector vector = {1e-3, 2e6, 9e-9, 6e-9};
     haft_summary summary = {.outcome = HAFT_OUTCOME_FREE, .steps = DATA_POINTS};
-    haft_model model = {.dofs = 4,
-                        .scale = scale,
-                        .gap = 2e-6,
-                        .sites = 1,
-                        .site = &site,
-                        .load = {.x = 6e-5},
-                        .nodes = DATA_NODES,
-                        .node_x = x};
+    haft_model_data model = {.dofs = 4,
+                             .scale = scale,
+                             .gap = 2e-6,
+                             .sites = 1,
+                             .site = &site,
+                             .load = {.x = 6e-5},
+                             .nodes = DATA_NODES,
+                             .node_x = x};
     check_ok(
         haft_results_create(&results, path, c, "0123456789abcdef0123456789abcdef", true, &error),
         error);

@@ -19,10 +19,10 @@ static inline haft_law nothing(void) {
 
 static inline void check_gradient_alone(const haft_model *model, const haft_law_rows *rows,
                                         const double *u, double load, const double *gradient) {
-    double *alone = malloc(model->dofs * sizeof *alone);
+    double *alone = malloc(haft_model_get(model)->dofs * sizeof *alone);
     assert_non_null(alone);
     haft_model_gradient(model, rows, u, load, alone);
-    assert_memory_equal(alone, gradient, model->dofs * sizeof *alone);
+    assert_memory_equal(alone, gradient, haft_model_get(model)->dofs * sizeof *alone);
     free(alone);
 }
 
@@ -31,7 +31,7 @@ static inline haft_energy evaluate(const haft_model *model, const haft_law *laws
                                    double *force_scale) {
     haft_error error = {0};
     haft_law_rows *rows = NULL;
-    check_ok(haft_law_rows_create(&rows, model->sites, laws, &error), error);
+    check_ok(haft_law_rows_create(&rows, haft_model_get(model)->sites, laws, &error), error);
     haft_energy energy =
         haft_model_evaluate(model, rows, u, load, gradient, hessian, force_scale, NULL, NULL);
     if (gradient != NULL) {

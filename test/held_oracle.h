@@ -26,10 +26,11 @@ typedef struct oracle {
 static inline int residual(double time, N_Vector u, N_Vector speed, N_Vector out, void *user) {
     (void)time;
     const oracle *o = user;
-    const haft_model *m = o->model;
+    const haft_model_data *m = haft_model_get(o->model);
     const double *v = N_VGetArrayPointer(speed);
     double *r = N_VGetArrayPointer(out);
-    haft_model_evaluate(m, o->rows, N_VGetArrayPointer(u), o->load, r, NULL, NULL, NULL, NULL);
+    haft_model_evaluate(o->model, o->rows, N_VGetArrayPointer(u), o->load, r, NULL, NULL, NULL,
+                        NULL);
     for (size_t j = 0; j < m->dofs; j++) {
         for (int k = m->column[j]; k < m->column[j + 1]; k++) {
             r[m->row[k]] += m->mass[k] * v[j];
@@ -42,9 +43,9 @@ static inline int jacobian(double time, double cj, N_Vector u, N_Vector speed, N
                            SUNMatrix out, void *user, N_Vector a, N_Vector b, N_Vector c) {
     (void)time, (void)speed, (void)r, (void)a, (void)b, (void)c;
     const oracle *o = user;
-    const haft_model *m = o->model;
-    haft_model_evaluate(m, o->rows, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL, NULL,
-                        NULL);
+    const haft_model_data *m = haft_model_get(o->model);
+    haft_model_evaluate(o->model, o->rows, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL,
+                        NULL, NULL);
     for (size_t j = 0; j < m->dofs; j++) {
         double *column = SUNBandMatrix_Column(out, (sunindextype)j);
         for (int k = m->column[j]; k < m->column[j + 1]; k++) {
@@ -57,7 +58,7 @@ static inline int jacobian(double time, double cj, N_Vector u, N_Vector speed, N
 /* M u' = -grad Pi, solved for u'. */
 static inline void find_speed(oracle *o, N_Vector u, N_Vector speed, SUNMatrix matrix,
                               SUNLinearSolver solver, N_Vector work) {
-    const haft_model *m = o->model;
+    const haft_model_data *m = haft_model_get(o->model);
     N_VConst(0, speed);
     residual(0, u, speed, work, o);
     N_VScale(-1, work, work);
@@ -78,7 +79,7 @@ static inline void let_flow(void *ida_oracle, double load, double *u) {
     o->load = load;
     SUNContext context;
     assert_int_equal(SUNContext_Create(NULL, &context), 0);
-    sunindextype n = (sunindextype)o->model->dofs;
+    sunindextype n = (sunindextype)haft_model_get(o->model)->dofs;
     N_Vector y = N_VMake_Serial(n, u, context), speed = N_VClone(y), work = N_VClone(y);
     SUNMatrix matrix = SUNBandMatrix(n, HALF_BAND, HALF_BAND, context);
     SUNLinearSolver solver = SUNLinSol_Band(y, matrix, context);
@@ -115,15 +116,16 @@ static inline size_t check_held_landings(double length, uint64_t seed, double *w
     haft_law_rows *rows = NULL;
     haft_path *path = NULL;
     check_ok(haft_model_create_beam(&model, &beam, &mesh, &error), error);
-    haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
+    haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, &error);
     random_beam_laws(model, seed, law);
-    check_ok(haft_law_rows_create(&rows, model->sites, law, &error), error);
+    check_ok(haft_law_rows_create(&rows, haft_model_get(model)->sites, law, &error), error);
     check_ok(haft_solve_path(&path, model, law, &programme, &options, &error), error);
     assert_int_equal(path->outcome, HAFT_OUTCOME_STUCK);
-    oracle o = {model, rows, 0, haft_memory_alloc(model->nonzeros, sizeof(double), NULL)};
+    oracle o = {model, rows, 0,
+                haft_memory_alloc(haft_model_get(model)->nonzeros, sizeof(double), NULL)};
     size_t jumps = check_landings_of(model, path, let_flow, &o, worst);
     double moved = (double)path->cost.unknowns / (double)path->cost.factorizations;
-    check_less(moved, 0.85 * (double)model->dofs);
+    check_less(moved, 0.85 * (double)haft_model_get(model)->dofs);
     haft_path_destroy(&path);
     haft_law_rows_destroy(&rows);
     haft_memory_free(o.hessian);

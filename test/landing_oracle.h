@@ -25,7 +25,7 @@ typedef struct oracle {
 static inline int velocity(double time, N_Vector u, N_Vector out, void *user) {
     (void)time;
     oracle *o = user;
-    size_t n = o->model->dofs;
+    size_t n = haft_model_get(o->model)->dofs;
     evaluate(o->model, o->law, N_VGetArrayPointer(u), o->load, o->gradient, NULL, NULL);
     gsl_vector_view v = gsl_vector_view_array(N_VGetArrayPointer(out), n);
     for (size_t i = 0; i < n; i++) {
@@ -38,8 +38,8 @@ static inline int jacobian(double time, N_Vector u, N_Vector f, SUNMatrix out, v
                            N_Vector a, N_Vector b, N_Vector c) {
     (void)time, (void)f, (void)a, (void)b, (void)c;
     oracle *o = user;
-    const haft_model *m = o->model;
-    evaluate(m, o->law, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL);
+    const haft_model_data *m = haft_model_get(o->model);
+    evaluate(o->model, o->law, N_VGetArrayPointer(u), o->load, NULL, o->hessian, NULL);
     for (size_t j = 0; j < m->dofs; j++) {
         double *column = SUNDenseMatrix_Column(out, (sunindextype)j);
         memset(column, 0, m->dofs * sizeof *column);
@@ -53,12 +53,13 @@ static inline int jacobian(double time, N_Vector u, N_Vector f, SUNMatrix out, v
 }
 
 static inline oracle make_oracle(const haft_model *m, const haft_law *law) {
-    oracle o = {.model = m, .law = law, .mass = gsl_matrix_calloc(m->dofs, m->dofs)};
-    o.gradient = haft_memory_alloc(m->dofs, sizeof(double), NULL);
-    o.hessian = haft_memory_alloc(m->nonzeros, sizeof(double), NULL);
-    for (size_t j = 0; j < m->dofs; j++) {
-        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
-            gsl_matrix_set(o.mass, (size_t)m->row[k], j, m->mass[k]);
+    const haft_model_data *data = haft_model_get(m);
+    oracle o = {.model = m, .law = law, .mass = gsl_matrix_calloc(data->dofs, data->dofs)};
+    o.gradient = haft_memory_alloc(data->dofs, sizeof(double), NULL);
+    o.hessian = haft_memory_alloc(data->nonzeros, sizeof(double), NULL);
+    for (size_t j = 0; j < data->dofs; j++) {
+        for (int k = data->column[j]; k < data->column[j + 1]; k++) {
+            gsl_matrix_set(o.mass, (size_t)data->row[k], j, data->mass[k]);
         }
     }
     assert_int_equal(gsl_linalg_cholesky_decomp1(o.mass), 0);
@@ -77,7 +78,7 @@ static inline void let_flow(void *cvode_oracle, double load, double *u) {
     o->load = load;
     SUNContext context;
     assert_int_equal(SUNContext_Create(NULL, &context), 0);
-    sunindextype n = (sunindextype)o->model->dofs;
+    sunindextype n = (sunindextype)haft_model_get(o->model)->dofs;
     N_Vector y = N_VMake_Serial(n, u, context);
     SUNMatrix matrix = SUNDenseMatrix(n, n, context);
     SUNLinearSolver solver = SUNLinSol_Dense(y, matrix, context);

@@ -12,10 +12,11 @@ typedef void let_rest(void *oracle, double load, double *u);
 
 /* How far apart two states' gaps are at most [m]. */
 static inline double farthest_gap(const haft_model *m, const double *u, const double *v) {
+    const haft_model_data *data = haft_model_get(m);
     double most = 0;
-    for (size_t r = 0; r < m->sites; r++) {
-        most = fmax(most, fabs(haft_model_displacement(&m->site[r], u) -
-                               haft_model_displacement(&m->site[r], v)));
+    for (size_t r = 0; r < data->sites; r++) {
+        most = fmax(most, fabs(haft_model_displacement(&data->site[r], u) -
+                               haft_model_displacement(&data->site[r], v)));
     }
     return most;
 }
@@ -23,7 +24,7 @@ static inline double farthest_gap(const haft_model *m, const double *u, const do
 /* @return how many landings there were. */
 static inline size_t check_landings_of(const haft_model *model, const haft_path *path,
                                        let_rest *rest, void *oracle, double *worst) {
-    size_t n = model->dofs, jumps = 0;
+    size_t n = haft_model_get(model)->dofs, jumps = 0;
     double *u = haft_memory_alloc(n, sizeof *u, NULL);
     for (size_t i = 1; i < path->points; i++) {
         const haft_path_point *p = &path->point[i];

@@ -15,7 +15,7 @@ typedef struct random_beam {
 } random_beam;
 
 static inline void random_beam_laws(const haft_model *model, uint64_t seed, haft_law *law) {
-    for (size_t r = 0; r < model->sites; r++) {
+    for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
         double z[4];
         haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 0, r, 0, 4, z);
         double d_max = 11e-9 + 0.4e-9 * z[2];
@@ -29,7 +29,7 @@ static inline random_beam random_beam_create(uint64_t seed, haft_mesh_spec mesh)
     random_beam b = {NULL, NULL};
     haft_error error = {0};
     check_ok(haft_model_create_beam(&b.model, &random_beam_spec, &mesh, &error), error);
-    b.law = haft_memory_alloc(b.model->sites, sizeof *b.law, &error);
+    b.law = haft_memory_alloc(haft_model_get(b.model)->sites, sizeof *b.law, &error);
     random_beam_laws(b.model, seed, b.law);
     return b;
 }

@@ -25,7 +25,7 @@ static inline int stress_flow_residual(double time, N_Vector u, N_Vector speed, 
                                        void *user) {
     (void)time;
     stress_flow *f = user;
-    const haft_model *m = f->model;
+    const haft_model_data *m = haft_model_get(f->model);
     double *r = N_VGetArrayPointer(out);
     const double *v = N_VGetArrayPointer(speed);
     stress_evaluate(f->oracle, N_VGetArrayPointer(u), f->load);
@@ -48,7 +48,7 @@ static inline int stress_flow_jacobian(double time, double cj, N_Vector u, N_Vec
                                        N_Vector b, N_Vector c) {
     (void)time, (void)speed, (void)r, (void)a, (void)b, (void)c;
     stress_flow *f = user;
-    const haft_model *m = f->model;
+    const haft_model_data *m = haft_model_get(f->model);
     stress_evaluate(f->oracle, N_VGetArrayPointer(u), f->load);
     for (size_t j = 0; j < m->dofs; j++) {
         for (size_t k = 0; k < STRESS_BAND && j + k < m->dofs; k++) {
@@ -74,7 +74,7 @@ static inline void stress_flow_silent(int code, const char *module, const char *
 /* M u' = -grad Pi, solved for u'. */
 static inline void stress_flow_speed(stress_flow *f, N_Vector u, N_Vector speed, SUNMatrix matrix,
                                      SUNLinearSolver solver, N_Vector work) {
-    const haft_model *m = f->model;
+    const haft_model_data *m = haft_model_get(f->model);
     N_VConst(0, speed);
     stress_flow_residual(0, u, speed, work, f);
     N_VScale(-1, work, work);

@@ -60,7 +60,8 @@ static inline stress_point stress_locate(const stress_oracle *o, const double *n
 }
 
 static inline stress_oracle stress_oracle_make(const stress_beam *b, const haft_model *m) {
-    stress_oracle o = {.beam = b, .nodes = m->nodes, .dofs = m->dofs, .unit = m->scale};
+    const haft_model_data *data = haft_model_get(m);
+    stress_oracle o = {.beam = b, .nodes = data->nodes, .dofs = data->dofs, .unit = data->scale};
     long double t = b->spec.thickness, pitch = b->spec.length / (long double)b->sites;
     o.stiffness = b->spec.young_modulus * (long double)b->spec.width * t * t * t / 12;
     o.length = calloc(o.nodes, sizeof *o.length);
@@ -70,15 +71,15 @@ static inline stress_oracle stress_oracle_make(const stress_beam *b, const haft_
     o.hessian = calloc(o.dofs + STRESS_BAND, sizeof *o.hessian);
     o.factor = calloc(o.dofs + STRESS_BAND, sizeof *o.factor);
     for (size_t e = 0; e + 1 < o.nodes; e++) {
-        long double l = (long double)m->node_x[e + 1] - m->node_x[e];
+        long double l = (long double)data->node_x[e + 1] - data->node_x[e];
         long double parts = l / pitch; /* the rounding of the nodes is no part of the beam */
         parts = fabsl(2 * parts - roundl(2 * parts)) < 1e-9L ? roundl(2 * parts) / 2 : parts;
         o.length[e] = parts * pitch;
     }
     for (size_t r = 0; r < b->sites; r++) {
-        o.site[r] = stress_locate(&o, m->node_x, (r + 0.5L) * pitch);
+        o.site[r] = stress_locate(&o, data->node_x, (r + 0.5L) * pitch);
     }
-    o.load = stress_locate(&o, m->node_x, b->load_position);
+    o.load = stress_locate(&o, data->node_x, b->load_position);
     return o;
 }
 

@@ -77,14 +77,15 @@ typedef struct haft_site {
     int terms; /**< set by haft_model_create(), which puts those that count in front */
 } haft_site;
 
-/** The room's own order of a model's sites. */
-typedef struct haft_layout haft_layout;
+/** A discrete structure in scaled unknowns, read-only once made. Any number of threads may share
+ *  it. */
+typedef struct haft_model haft_model;
 
-/** A discrete structure in scaled unknowns; read-only once made, shared by any number of threads.
+/** What others may read of a model.
  *
  *  Scaled: energies in `energy_unit` (E I h^2 / L^3), deflections in h, rotations in h over the
  *  node's own element length. `scale[i]` takes unknown i to metres or radians. */
-typedef struct haft_model {
+typedef struct haft_model_data {
     size_t dofs;           /**< unknowns */
     double *scale;         /**< dofs: [m] or [rad] a unit of each unknown */
     double energy_unit;    /**< [J] */
@@ -98,18 +99,21 @@ typedef struct haft_model {
     size_t nodes;          /**< 0 for a structure that is no beam */
     double *node_x;        /**< [m] */
     size_t nonzeros;       /**< entries of the Hessian's pattern */
-    int *column;         /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
-    int *row;            /**< and rows, sorted */
-    double *stiffness;   /**< K in that pattern, in units of energy */
-    double *mass;        /**< M in that pattern: integral of w^2 / (h^2 L) */
-    int *element_slot;   /**< place of each of an element's 16 entries in the pattern, -1 if none */
-    int *site_slot;      /**< and of a site's */
-    haft_layout *layout; /**< the sites once more, laid out for evaluation */
-    size_t stretches;    /**< into which the layout cuts those that take part */
-    struct haft_model *shorter; /**< of an active mesh: the same beam and sites, more of them
-                                     inert, for states that touch only further on; NULL: none.
-                                     Owned */
-} haft_model;
+    int *column;       /**< compressed columns of the full symmetric Hessian: starts, dofs + 1 */
+    int *row;          /**< and rows, sorted */
+    double *stiffness; /**< K in that pattern, in units of energy */
+    double *mass;      /**< M in that pattern: integral of w^2 / (h^2 L) */
+} haft_model_data;
+
+/** The data of a model; they live as long as it. Inline, because the solver reads them in its
+ *  innermost loops: they are the first member of the model. Thread-safe. */
+static inline const haft_model_data *haft_model_get(const haft_model *model) {
+    return (const haft_model_data *)(const void *)model;
+}
+
+/** The next shorter of an active mesh's models: the same beam and sites, more of them inert, for
+ *  states that touch only further on. Owned by the model. @return NULL if there is none. */
+const haft_model *haft_model_shorter(const haft_model *model);
 
 /** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
  *  laws of their own. 0 for the other meshes. Thread-safe. */
@@ -142,17 +146,38 @@ typedef struct haft_model_parts {
 haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/** The front part of a beam, for states that move there alone, what lies behind being held where it
- *  is. It is the model with fewer elements, unknowns and sites: those that a displacement of its
- *  unknowns strains or moves. Its energies are the model's but for a constant, its gradient and the
- *  columns of its Hessian the model's own, except in the last two unknowns, the held node's, which
- *  lack what lies behind.
+/** The front part of a beam, for states that move there alone while what lies behind is frozen. It
+ *  is the model with fewer elements, unknowns and sites: those that a displacement of its unknowns
+ *  strains or moves. Its energies are the model's but for a constant. Its gradient and the columns
+ *  of its Hessian are the model's own, except in the last two unknowns, those of the frozen node,
+ *  which lack what lies behind.
+ *  @param[in,out] front from haft_model_create_front(); a view of the model's arrays from now on
  *  @param[in] model a beam
  *  @param[in] sites that are to move, from the first on; a few more do
- *  @param[out] moving unknowns that are not held: the first so many
- *  @return a view of the model's arrays, which is not to be destroyed; the model itself, all its
- *  unknowns moving, where no front of it is shorter. Thread-safe. */
-haft_model haft_model_front(const haft_model *model, size_t sites, size_t *moving);
+ *  @return the number of unknowns that are not frozen, from the first on; all, and `front` the same
+ *  as the model, where no front of it is shorter. Thread-safe. */
+size_t haft_model_set_front(haft_model *front, const haft_model *model, size_t sites);
+
+/** Creates a model for haft_model_set_front(), to be destroyed with haft_model_destroy_front().
+ *  @return HAFT_ERROR_MEMORY */
+haft_status haft_model_create_front(haft_model **out, haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees it, not the arrays it views, and sets the pointer to NULL; NULL is allowed. */
+void haft_model_destroy_front(haft_model **front);
+
+/** Adds factor w_r^2 to the quadratic form of a matrix in the Hessian's pattern, w_r the
+ *  displacement of a site: factor [1/m^2] times the products of its shapes to its entries.
+ *  @param[in] model the structure
+ *  @param[in] site its index, not inert
+ *  @param[in] factor in units of energy a square metre
+ *  @param[in,out] matrix [nonzeros]
+ *  @param[out] kept the entries before, for haft_model_restore_stiffness(). Thread-safe. */
+void haft_model_add_stiffness(const haft_model *model, size_t site, double factor, double *matrix,
+                              double kept[HAFT_SPAN * HAFT_SPAN]);
+
+/** Sets the entries of a site back to what haft_model_add_stiffness() found. Thread-safe. */
+void haft_model_restore_stiffness(const haft_model *model, size_t site,
+                                  const double kept[HAFT_SPAN * HAFT_SPAN], double *matrix);
 
 /** Frees a model and sets the pointer to NULL; NULL is allowed. */
 void haft_model_destroy(haft_model **model);

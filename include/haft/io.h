@@ -151,14 +151,14 @@ haft_status haft_results_create(haft_results **out, const char *path, const haft
  *  @param[in,out] results the file
  *  @param[in] realization which
  *  @param[in] path it took
- *  @param[in] model it was followed on
+ *  @param[in] model haft_model_get() of the model it was followed on
  *  @param[in] laws, vectors one a site of the model; NULL where no evidence is asked for
  *  @param[in] summary its row of /summary
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT for a realization out of range or added before, or for evidence
  *  without states; any other failure lasts: only haft_results_abandon() is of use then. */
 haft_status haft_results_add(haft_results *results, size_t realization, const haft_path *path,
-                             const haft_model *model, const haft_law *laws,
+                             const haft_model_data *model, const haft_law *laws,
                              const haft_law_vector *vectors, const haft_summary *summary,
                              haft_error *error) HAFT_MUST_CHECK;
 

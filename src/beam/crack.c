@@ -12,12 +12,12 @@ static double node_value(const haft_model *model, const double *u, size_t node, 
         return 0;
     }
     size_t i = 2 * (node - 1) + (size_t)rotation;
-    return model->scale[i] * u[i];
+    return model->data.scale[i] * u[i];
 }
 
 /* Coefficients of w in powers of xi = (x - node) / length over element e. */
 static void element_cubic(const haft_model *model, const double *u, size_t e, double c[4]) {
-    double l = model->node_x[e + 1] - model->node_x[e];
+    double l = model->data.node_x[e + 1] - model->data.node_x[e];
     double w0 = node_value(model, u, e, 0), w1 = node_value(model, u, e + 1, 0);
     double s0 = l * node_value(model, u, e, 1), s1 = l * node_value(model, u, e + 1, 1);
     c[0] = w0;
@@ -32,9 +32,9 @@ static double cubic(const double c[4], double xi) {
 
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
                       double *rotation) {
-    size_t e = haft_beam_find_element(model->node_x, model->nodes, x);
-    double l = model->node_x[e + 1] - model->node_x[e];
-    double xi = (x - model->node_x[e]) / l;
+    size_t e = haft_beam_find_element(model->data.node_x, model->data.nodes, x);
+    double l = model->data.node_x[e + 1] - model->data.node_x[e];
+    double xi = (x - model->data.node_x[e]) / l;
     double c[4];
     element_cubic(model, u, e, c);
     *deflection = cubic(c, xi);
@@ -43,20 +43,20 @@ void haft_model_shape(const haft_model *model, const double *u, double x, double
 
 void haft_model_carry(const haft_model *from, const haft_model *to, const double *u, double *out) {
     size_t at = 1;
-    for (size_t node = 1; node < to->nodes; node++) {
-        double x = to->node_x[node], value[2];
-        while (at + 1 < from->nodes && from->node_x[at] < x) {
+    for (size_t node = 1; node < to->data.nodes; node++) {
+        double x = to->data.node_x[node], value[2];
+        while (at + 1 < from->data.nodes && from->data.node_x[at] < x) {
             at++;
         }
-        if (from->node_x[at] == x) {
+        if (from->data.node_x[at] == x) {
             value[0] = node_value(from, u, at, 0);
             value[1] = node_value(from, u, at, 1);
         } else {
             haft_model_shape(from, u, x, &value[0], &value[1]);
         }
         size_t i = 2 * (node - 1);
-        out[i] = value[0] / to->scale[i];
-        out[i + 1] = value[1] / to->scale[i + 1];
+        out[i] = value[0] / to->data.scale[i];
+        out[i + 1] = value[1] / to->data.scale[i + 1];
     }
 }
 
@@ -117,27 +117,29 @@ static double bound(const double c[4], double gap) {
 }
 
 double haft_model_crack_length(const haft_model *model, const double *reach, const double *u) {
-    double end = model->nodes > 0 ? model->node_x[model->nodes - 1] : 0;
+    double end = model->data.nodes > 0 ? model->data.node_x[model->data.nodes - 1] : 0;
     double left = 0, c[4], most = 0;
     size_t e = 0, known = SIZE_MAX;
-    for (size_t r = 0; r < model->sites && model->nodes > 0; r++) {
-        double right = r + 1 < model->sites ? 0.5 * (model->site[r].x + model->site[r + 1].x) : end;
-        double level = model->gap - reach[r];
-        if (known == e && most < level && right < model->node_x[e + 1]) {
+    for (size_t r = 0; r < model->data.sites && model->data.nodes > 0; r++) {
+        double right = r + 1 < model->data.sites
+                           ? 0.5 * (model->data.site[r].x + model->data.site[r + 1].x)
+                           : end;
+        double level = model->data.gap - reach[r];
+        if (known == e && most < level && right < model->data.node_x[e + 1]) {
             left = right; /* nowhere on the element does the beam come so near */
             continue;
         }
         while (left < right) {
-            while (e + 2 < model->nodes && model->node_x[e + 1] <= left) {
+            while (e + 2 < model->data.nodes && model->data.node_x[e + 1] <= left) {
                 e++;
             }
             if (e != known) {
                 element_cubic(model, u, e, c);
-                most = bound(c, model->gap);
+                most = bound(c, model->data.gap);
                 known = e;
             }
-            double x0 = model->node_x[e], l = model->node_x[e + 1] - x0;
-            double stop = fmin(right, model->node_x[e + 1]);
+            double x0 = model->data.node_x[e], l = model->data.node_x[e + 1] - x0;
+            double stop = fmin(right, model->data.node_x[e + 1]);
             double xi = NAN;
             if (!(most < level)) {
                 xi = first_reach(c, level, (left - x0) / l, fmin(1, (stop - x0) / l));

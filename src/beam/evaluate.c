@@ -7,8 +7,8 @@
 #include <string.h>
 
 void haft_model_gaps(const haft_model *model, const double *u, double *d) {
-    for (size_t r = 0; r < model->sites; r++) {
-        d[r] = model->gap - haft_model_displacement(&model->site[r], u);
+    for (size_t r = 0; r < model->data.sites; r++) {
+        d[r] = model->data.gap - haft_model_displacement(&model->data.site[r], u);
     }
 }
 
@@ -97,7 +97,7 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
         if (gap != NULL) {
             memcpy(gap + s->first, state.d, sites * sizeof *gap);
         }
-        energy += weigh_stretch(model->layout->area + s->first, nil, sites, model->energy_unit,
+        energy += weigh_stretch(model->layout->area + s->first, nil, sites, model->data.energy_unit,
                                 &state, &pushed);
         if (site_stiffness != NULL) {
             memcpy(site_stiffness + s->first, state.slope, sites * sizeof *site_stiffness);
@@ -108,7 +108,7 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
             *largest = larger(*largest, largest_term(top, nil, sites, state.force));
         }
     }
-    *rounding += pushed * model->gap;
+    *rounding += pushed * model->data.gap;
     return energy;
 }
 
@@ -119,18 +119,19 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
     double largest = 0, strain_rounding = 0;
     double *term = force_scale != NULL ? &largest : NULL;
     if (gradient != NULL) {
-        memset(gradient, 0, model->dofs * sizeof *gradient);
+        memset(gradient, 0, model->data.dofs * sizeof *gradient);
     }
     if (hessian != NULL) {
-        memcpy(hessian, model->stiffness, model->nonzeros * sizeof *hessian);
+        memcpy(hessian, model->data.stiffness, model->data.nonzeros * sizeof *hessian);
     }
-    energy.strain = model->energy_unit * haft_strain(model, u, gradient, term, &strain_rounding);
+    energy.strain =
+        model->data.energy_unit * haft_strain(model, u, gradient, term, &strain_rounding);
     double rounding = 0;
     energy.contact =
         add_contact(model, laws, u, gradient, hessian, term, &rounding, gap, site_stiffness);
-    energy.rounding = 0x1p-53 * (strain_rounding * model->energy_unit + rounding);
+    energy.rounding = 0x1p-53 * (strain_rounding * model->data.energy_unit + rounding);
     if (gradient != NULL) {
-        add_load(&model->load, -load / model->energy_unit, gradient, &largest);
+        add_load(&model->data.load, -load / model->data.energy_unit, gradient, &largest);
     }
     if (force_scale != NULL) {
         *force_scale = largest;
@@ -153,7 +154,7 @@ void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, con
                          double load, double *gradient) {
     double largest = 0, d[HAFT_STRETCH_ROOM], force[HAFT_STRETCH_ROOM];
     const haft_law_values values = {.force = force};
-    memset(gradient, 0, model->dofs * sizeof *gradient);
+    memset(gradient, 0, model->data.dofs * sizeof *gradient);
     haft_strain(model, u, gradient, NULL, NULL);
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
@@ -161,15 +162,15 @@ void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, con
         size_t sites = haft_stretch_sites(model, s);
         size_t nil = haft_law_rows_evaluate(laws, s->first, sites, d, &values);
         clear_padding(force, sites);
-        weigh_forces(model->layout->area + s->first, nil, sites, model->energy_unit, force);
+        weigh_forces(model->layout->area + s->first, nil, sites, model->data.energy_unit, force);
         haft_stretch_assemble(model, s, nil, force, force, gradient, NULL);
     }
-    add_load(&model->load, -load / model->energy_unit, gradient, &largest);
+    add_load(&model->data.load, -load / model->data.energy_unit, gradient, &largest);
 }
 
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
                          double *y) {
-    memset(y, 0, model->dofs * sizeof *y);
+    memset(y, 0, model->data.dofs * sizeof *y);
     haft_strain(model, x, y, NULL, NULL);
     double force[HAFT_STRETCH_ROOM];
     for (size_t n = 0; n < model->stretches; n++) {

@@ -288,8 +288,8 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
     };
     status = haft_model_create(out, &assembled, error);
     if (status == HAFT_OK) {
-        (*out)->nodes = nodes;
-        (*out)->node_x = parts->x;
+        (*out)->data.nodes = nodes;
+        (*out)->data.node_x = parts->x;
         parts->x = NULL;
     }
     return status;
@@ -311,9 +311,9 @@ static haft_status create_mesh(haft_model **out, const haft_beam_spec *beam,
 static haft_status add_shorter(haft_model *model, const haft_beam_spec *beam,
                                const haft_mesh_spec *mesh, haft_error *error) {
     haft_mesh_spec shorter = *mesh;
-    size_t sites = model->sites;
+    size_t sites = model->data.sites;
     for (haft_model *last = model; last != NULL; last = last->shorter) {
-        size_t active = (size_t)(SHORTER_SHARE * (double)(sites - last->inert));
+        size_t active = (size_t)(SHORTER_SHARE * (double)(sites - last->data.inert));
         if (active < LEAST_ACTIVE) {
             break;
         }

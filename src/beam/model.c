@@ -30,13 +30,13 @@ static void add_pairs(const int dof[HAFT_SPAN], int *start, int *list, int *next
 }
 
 static void add_all_pairs(const haft_model *model, int *start, int *list, int *next) {
-    for (size_t e = 0; e < model->elements; e++) {
-        add_pairs(model->element[e].dof, start, list, next);
+    for (size_t e = 0; e < model->data.elements; e++) {
+        add_pairs(model->data.element[e].dof, start, list, next);
     }
-    for (size_t r = model->inert; r < model->sites; r++) {
-        add_pairs(model->site[r].dof, start, list, next);
+    for (size_t r = model->data.inert; r < model->data.sites; r++) {
+        add_pairs(model->data.site[r].dof, start, list, next);
     }
-    for (size_t i = 0; i < model->dofs; i++) {
+    for (size_t i = 0; i < model->data.dofs; i++) {
         int diagonal[HAFT_SPAN] = {(int)i, -1, -1, -1};
         add_pairs(diagonal, start, list, next);
     }
@@ -45,30 +45,30 @@ static void add_all_pairs(const haft_model *model, int *start, int *list, int *n
 /* Sorts each column and drops repeats. */
 static void compress(haft_model *model, const int *start, int *list, const int *length) {
     int at = 0;
-    for (size_t j = 0; j < model->dofs; j++) {
+    for (size_t j = 0; j < model->data.dofs; j++) {
         int *rows = list + start[j];
         qsort(rows, (size_t)length[j], sizeof *rows, compare_ints);
-        model->column[j] = at;
+        model->data.column[j] = at;
         for (int k = 0; k < length[j]; k++) {
             if (k == 0 || rows[k] != rows[k - 1]) {
-                model->row[at++] = rows[k];
+                model->data.row[at++] = rows[k];
             }
         }
     }
-    model->column[model->dofs] = at;
-    model->nonzeros = (size_t)at;
+    model->data.column[model->data.dofs] = at;
+    model->data.nonzeros = (size_t)at;
 }
 
 static haft_status make_pattern(haft_model *model, haft_error *error) {
-    size_t n = model->dofs;
-    size_t bound = (model->elements + model->sites) * ENTRIES + n;
+    size_t n = model->data.dofs;
+    size_t bound = (model->data.elements + model->data.sites) * ENTRIES + n;
     int *start = haft_memory_alloc(n + 1, sizeof *start, error);
     int *length = haft_memory_alloc(n + 1, sizeof *length, error);
     int *list = haft_memory_alloc(bound, sizeof *list, error);
-    model->column = haft_memory_alloc(n + 1, sizeof *model->column, error);
-    model->row = haft_memory_alloc(bound, sizeof *model->row, error);
+    model->data.column = haft_memory_alloc(n + 1, sizeof *model->data.column, error);
+    model->data.row = haft_memory_alloc(bound, sizeof *model->data.row, error);
     haft_status status = HAFT_ERROR_MEMORY;
-    if (start && length && list && model->column && model->row) {
+    if (start && length && list && model->data.column && model->data.row) {
         add_all_pairs(model, start, NULL, length);
         for (size_t j = 0; j < n; j++) {
             start[j + 1] = start[j] + length[j];
@@ -85,10 +85,10 @@ static haft_status make_pattern(haft_model *model, haft_error *error) {
 }
 
 static int find_slot(const haft_model *model, int i, int j) {
-    int low = model->column[j], high = model->column[j + 1] - 1;
+    int low = model->data.column[j], high = model->data.column[j + 1] - 1;
     while (low < high) {
         int middle = (low + high) / 2;
-        if (model->row[middle] < i) {
+        if (model->data.row[middle] < i) {
             low = middle + 1;
         } else {
             high = middle;
@@ -107,8 +107,8 @@ static void find_slots(const haft_model *model, const int dof[HAFT_SPAN], int *s
 }
 
 static void assemble_constants(haft_model *model) {
-    for (size_t e = 0; e < model->elements; e++) {
-        const haft_element *el = &model->element[e];
+    for (size_t e = 0; e < model->data.elements; e++) {
+        const haft_element *el = &model->data.element[e];
         const int *slot = model->element_slot + e * ENTRIES;
         const double *d = el->stiffness;
         for (int i = 0, upper = 0; i < HAFT_SPAN; i++) {
@@ -119,11 +119,11 @@ static void assemble_constants(haft_model *model) {
                 if (ij < 0) {
                     continue;
                 }
-                model->stiffness[ij] += k;
-                model->mass[ij] += el->mass[upper];
+                model->data.stiffness[ij] += k;
+                model->data.mass[ij] += el->mass[upper];
                 if (i != j) {
-                    model->stiffness[ji] += k;
-                    model->mass[ji] += el->mass[upper];
+                    model->data.stiffness[ji] += k;
+                    model->data.mass[ji] += el->mass[upper];
                 }
             }
         }
@@ -147,31 +147,31 @@ static void compact_site(haft_site *site) {
 }
 
 static haft_status copy_parts(haft_model *model, const haft_model_parts *parts, haft_error *error) {
-    model->dofs = parts->dofs;
-    model->energy_unit = parts->energy_unit;
-    model->gap = parts->gap;
-    model->elements = parts->elements;
-    model->sites = parts->sites;
-    model->inert = parts->inert;
-    model->load = parts->load;
-    compact_site(&model->load);
-    model->scale = haft_memory_alloc(parts->dofs, sizeof *model->scale, error);
-    model->element = haft_memory_alloc(parts->elements, sizeof *model->element, error);
-    model->site = haft_memory_alloc(parts->sites, sizeof *model->site, error);
-    if (!model->scale || !model->element || !model->site) {
+    model->data.dofs = parts->dofs;
+    model->data.energy_unit = parts->energy_unit;
+    model->data.gap = parts->gap;
+    model->data.elements = parts->elements;
+    model->data.sites = parts->sites;
+    model->data.inert = parts->inert;
+    model->data.load = parts->load;
+    compact_site(&model->data.load);
+    model->data.scale = haft_memory_alloc(parts->dofs, sizeof *model->data.scale, error);
+    model->data.element = haft_memory_alloc(parts->elements, sizeof *model->data.element, error);
+    model->data.site = haft_memory_alloc(parts->sites, sizeof *model->data.site, error);
+    if (!model->data.scale || !model->data.element || !model->data.site) {
         return HAFT_ERROR_MEMORY;
     }
     for (size_t i = 0; i < parts->dofs; i++) {
-        model->scale[i] = parts->scale == NULL ? 1.0 : parts->scale[i];
+        model->data.scale[i] = parts->scale == NULL ? 1.0 : parts->scale[i];
     }
     if (parts->elements > 0) {
-        memcpy(model->element, parts->element, parts->elements * sizeof *model->element);
+        memcpy(model->data.element, parts->element, parts->elements * sizeof *model->data.element);
     }
     if (parts->sites > 0) {
-        memcpy(model->site, parts->site, parts->sites * sizeof *model->site);
+        memcpy(model->data.site, parts->site, parts->sites * sizeof *model->data.site);
     }
     for (size_t r = 0; r < parts->sites; r++) {
-        compact_site(&model->site[r]);
+        compact_site(&model->data.site[r]);
     }
     return HAFT_OK;
 }
@@ -181,18 +181,18 @@ static haft_status fill_model(haft_model *model, haft_error *error) {
     if (status != HAFT_OK) {
         return status;
     }
-    model->stiffness = haft_memory_alloc(model->nonzeros, sizeof(double), error);
-    model->mass = haft_memory_alloc(model->nonzeros, sizeof(double), error);
-    model->element_slot = haft_memory_alloc(model->elements * ENTRIES, sizeof(int), error);
-    model->site_slot = haft_memory_alloc(model->sites * ENTRIES, sizeof(int), error);
-    if (!model->stiffness || !model->mass || !model->element_slot || !model->site_slot) {
+    model->data.stiffness = haft_memory_alloc(model->data.nonzeros, sizeof(double), error);
+    model->data.mass = haft_memory_alloc(model->data.nonzeros, sizeof(double), error);
+    model->element_slot = haft_memory_alloc(model->data.elements * ENTRIES, sizeof(int), error);
+    model->site_slot = haft_memory_alloc(model->data.sites * ENTRIES, sizeof(int), error);
+    if (!model->data.stiffness || !model->data.mass || !model->element_slot || !model->site_slot) {
         return HAFT_ERROR_MEMORY;
     }
-    for (size_t e = 0; e < model->elements; e++) {
-        find_slots(model, model->element[e].dof, model->element_slot + e * ENTRIES);
+    for (size_t e = 0; e < model->data.elements; e++) {
+        find_slots(model, model->data.element[e].dof, model->element_slot + e * ENTRIES);
     }
-    for (size_t r = model->inert; r < model->sites; r++) {
-        find_slots(model, model->site[r].dof, model->site_slot + r * ENTRIES);
+    for (size_t r = model->data.inert; r < model->data.sites; r++) {
+        find_slots(model, model->data.site[r].dof, model->site_slot + r * ENTRIES);
     }
     assemble_constants(model);
     return haft_layout_create(&model->layout, &model->stretches, model, error);
@@ -250,18 +250,46 @@ void haft_model_destroy(haft_model **model) {
         return;
     }
     haft_model *m = *model;
-    haft_memory_free(m->scale);
-    haft_memory_free(m->element);
-    haft_memory_free(m->site);
-    haft_memory_free(m->node_x);
-    haft_memory_free(m->column);
-    haft_memory_free(m->row);
-    haft_memory_free(m->stiffness);
-    haft_memory_free(m->mass);
+    haft_memory_free(m->data.scale);
+    haft_memory_free(m->data.element);
+    haft_memory_free(m->data.site);
+    haft_memory_free(m->data.node_x);
+    haft_memory_free(m->data.column);
+    haft_memory_free(m->data.row);
+    haft_memory_free(m->data.stiffness);
+    haft_memory_free(m->data.mass);
     haft_memory_free(m->element_slot);
     haft_memory_free(m->site_slot);
     haft_layout_destroy(&m->layout);
     haft_model_destroy(&m->shorter);
     haft_memory_free(m);
     *model = NULL;
+}
+
+const haft_model *haft_model_shorter(const haft_model *model) {
+    return model->shorter;
+}
+
+void haft_model_add_stiffness(const haft_model *model, size_t site, double factor, double *matrix,
+                              double kept[ENTRIES]) {
+    const haft_site *s = &model->data.site[site];
+    const int *slot = model->site_slot + site * ENTRIES;
+    for (int i = 0; i < s->terms; i++) {
+        for (int j = 0; j < s->terms; j++) {
+            double *entry = &matrix[slot[i * HAFT_SPAN + j]];
+            kept[i * HAFT_SPAN + j] = *entry;
+            *entry += factor * s->shape[i] * s->shape[j];
+        }
+    }
+}
+
+void haft_model_restore_stiffness(const haft_model *model, size_t site, const double kept[ENTRIES],
+                                  double *matrix) {
+    const haft_site *s = &model->data.site[site];
+    const int *slot = model->site_slot + site * ENTRIES;
+    for (int i = 0; i < s->terms; i++) {
+        for (int j = 0; j < s->terms; j++) {
+            matrix[slot[i * HAFT_SPAN + j]] = kept[i * HAFT_SPAN + j];
+        }
+    }
 }

@@ -21,20 +21,20 @@ static bool same_unknowns(const haft_site *a, const haft_site *b) {
 
 /* Whether site r goes on the run that ends before it. */
 static bool continues(const haft_model *model, const haft_run *run, size_t r) {
-    const haft_site *site = &model->site[r];
-    return run->shared ? same_unknowns(&model->site[run->first], site) : site->terms == 1;
+    const haft_site *site = &model->data.site[r];
+    return run->shared ? same_unknowns(&model->data.site[run->first], site) : site->terms == 1;
 }
 
 /* @return the number of stretches */
 static size_t find_runs(haft_layout *layout, const haft_model *model) {
     size_t stretches = 0;
-    for (size_t r = model->inert; r < model->sites; r++) {
-        if ((r - model->inert) % HAFT_STRETCH == 0) {
+    for (size_t r = model->data.inert; r < model->data.sites; r++) {
+        if ((r - model->data.inert) % HAFT_STRETCH == 0) {
             layout->stretch[stretches++] = (haft_stretch){r, 0, layout->runs, 0};
         }
         haft_stretch *s = &layout->stretch[stretches - 1];
         if (s->runs == 0 || !continues(model, &layout->run[layout->runs - 1], r)) {
-            const haft_site *site = &model->site[r];
+            const haft_site *site = &model->data.site[r];
             bool whole = site->terms == HAFT_SPAN;
             for (int k = 1; k < HAFT_SPAN; k++) {
                 whole = whole && site->dof[k] == site->dof[0] + k;
@@ -68,7 +68,7 @@ static void find_alike(haft_layout *layout, const haft_model *model) {
     for (; n < layout->runs; n++) {
         haft_run *run = &layout->run[n];
         for (size_t r = first; run->whole && r < end && r < run->first; r++) {
-            if (same_shapes(&model->site[r], &model->site[run->first], run->sites)) {
+            if (same_shapes(&model->data.site[r], &model->data.site[run->first], run->sites)) {
                 run->alike = r;
                 break;
             }
@@ -79,7 +79,7 @@ static void find_alike(haft_layout *layout, const haft_model *model) {
 /* Inert sites that share their unknowns, after the other sites' runs. */
 static void find_idle_runs(haft_layout *layout, const haft_model *model) {
     haft_run *run = layout->run + layout->runs;
-    for (size_t r = 0; r < model->inert; r++) {
+    for (size_t r = 0; r < model->data.inert; r++) {
         if (r == 0 || !continues(model, &run[layout->idle - 1], r)) {
             run[layout->idle++] = (haft_run){r, 0, r, true, false};
         }
@@ -88,15 +88,15 @@ static void find_idle_runs(haft_layout *layout, const haft_model *model) {
 }
 
 static void fill(haft_layout *layout, const haft_model *model) {
-    for (size_t r = 0; r < model->sites; r++) {
-        const double *shape = model->site[r].shape;
+    for (size_t r = 0; r < model->data.sites; r++) {
+        const double *shape = model->data.site[r].shape;
         double *term = layout->term + r * HAFT_SPAN, *share = layout->share + r * ENTRIES;
-        layout->area[r] = model->site[r].area;
-        for (int k = 0; k < model->site[r].terms; k++) {
+        layout->area[r] = model->data.site[r].area;
+        for (int k = 0; k < model->data.site[r].terms; k++) {
             layout->top[r] = fmax(layout->top[r], fabs(shape[k]));
         }
-        layout->dof[r] = model->site[r].dof[0];
-        layout->slot[r] = r < model->inert ? -1 : model->site_slot[r * ENTRIES];
+        layout->dof[r] = model->data.site[r].dof[0];
+        layout->slot[r] = r < model->data.inert ? -1 : model->site_slot[r * ENTRIES];
         for (size_t i = 0; i < HAFT_SPAN; i++) {
             layout->shape[i * layout->stride + r] = shape[i];
             term[i] = shape[i];
@@ -114,7 +114,7 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
     if (layout == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    size_t sites = model->sites;
+    size_t sites = model->data.sites;
     layout->stride = haft_simd_padded(sites);
     layout->stretch = haft_memory_alloc(sites / HAFT_STRETCH + 1, sizeof *layout->stretch, error);
     layout->run = haft_memory_alloc(sites, sizeof *layout->run, error);
@@ -125,7 +125,8 @@ haft_status haft_layout_create(haft_layout **out, size_t *stretches, const haft_
     layout->share = haft_memory_alloc(ENTRIES * sites, sizeof(double), error);
     layout->dof = haft_memory_alloc(sites, sizeof *layout->dof, error);
     layout->slot = haft_memory_alloc(sites, sizeof *layout->slot, error);
-    layout->element_run = haft_memory_alloc(model->elements, sizeof *layout->element_run, error);
+    layout->element_run =
+        haft_memory_alloc(model->data.elements, sizeof *layout->element_run, error);
     if (!layout->element_run || !layout->stretch || !layout->run || !layout->shape ||
         !layout->area || !layout->top || !layout->term || !layout->share || !layout->dof ||
         !layout->slot) {
@@ -162,7 +163,7 @@ void haft_layout_destroy(haft_layout **layout) {
 /* The unknowns that a run's sites share. */
 static inline void read_unknowns(const haft_model *model, const haft_run *run, const double *u,
                                  double v[HAFT_SPAN]) {
-    const haft_site *site = &model->site[run->first];
+    const haft_site *site = &model->data.site[run->first];
     for (int k = 0; k < HAFT_SPAN; k++) {
         v[k] = k < site->terms ? u[site->dof[k]] : 0;
     }
@@ -218,7 +219,7 @@ HAFT_CLONES static void find_displacements(const haft_model *model, const haft_s
 
 HAFT_CLONES static void find_gaps(const haft_model *model, const haft_stretch *s, const double *u,
                                   double *d) {
-    double gap = model->gap;
+    double gap = model->data.gap;
     displace(model, s, u, &gap, d);
 }
 
@@ -242,11 +243,11 @@ HAFT_CLONES static size_t count_clear(const haft_model *model, const haft_run *r
         displace_shared(model->layout, &part, v, NULL, w);
         size_t clear = 0;
         for (size_t i = 0; i < sites; i++) {
-            clear += model->gap - w[i] > reach[part.first + i];
+            clear += model->data.gap - w[i] > reach[part.first + i];
         }
         if (clear < sites) {
             size_t r = 0;
-            while (model->gap - w[r] > reach[part.first + r]) {
+            while (model->data.gap - w[r] > reach[part.first + r]) {
                 r++;
             }
             return first + r;
@@ -264,7 +265,7 @@ size_t haft_model_clear_sites(const haft_model *model, const double *u, const do
             return run->first + clear;
         }
     }
-    return model->inert;
+    return model->data.inert;
 }
 
 static void scatter_nodes(const haft_layout *layout, size_t first, size_t sites,
@@ -283,7 +284,7 @@ static void scatter_nodes(const haft_layout *layout, size_t first, size_t sites,
 /* A run across an element of which not all is there: a clamp, or what is no beam. */
 static void scatter_part(const haft_model *model, const haft_run *run, const double *force,
                          const double *stiffness, double *gradient, double *hessian) {
-    const haft_site *site = &model->site[run->first];
+    const haft_site *site = &model->data.site[run->first];
     const int *slot = model->site_slot + run->first * ENTRIES;
     for (size_t r = 0; r < run->sites; r++) {
         const double *shape = site[r].shape;

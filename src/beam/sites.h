@@ -5,6 +5,17 @@
 
 #include "haft/beam.h"
 
+typedef struct haft_layout haft_layout;
+
+struct haft_model {
+    haft_model_data data; /* first: see haft_model_get() */
+    int *element_slot;    /* place of each of an element's 16 entries in the pattern, -1 if none */
+    int *site_slot;       /* and of a site's */
+    haft_layout *layout;  /* the sites once more, laid out for evaluation */
+    size_t stretches;     /* into which the layout cuts those that take part */
+    haft_model *shorter;  /* owned; see haft_model_shorter() */
+};
+
 static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
@@ -20,7 +31,7 @@ typedef struct haft_stretch {
 } haft_stretch;
 
 static inline size_t haft_stretch_sites(const haft_model *model, const haft_stretch *s) {
-    size_t left = model->sites - s->first;
+    size_t left = model->data.sites - s->first;
     return s->sites < left ? s->sites : left;
 }
 

@@ -128,9 +128,10 @@ static bool continues(const haft_element *first, const haft_element *e, int behi
 
 size_t haft_strain_find_runs(const haft_model *model, size_t *run) {
     size_t runs = 0;
-    for (size_t e = 0; e < model->elements; e++) {
-        const haft_element *now = &model->element[e];
-        if (e == 0 || !continues(&model->element[run[runs - 1]], now, (int)(e - run[runs - 1]))) {
+    for (size_t e = 0; e < model->data.elements; e++) {
+        const haft_element *now = &model->data.element[e];
+        if (e == 0 ||
+            !continues(&model->data.element[run[runs - 1]], now, (int)(e - run[runs - 1]))) {
             run[runs++] = e;
         }
     }
@@ -141,18 +142,20 @@ HAFT_CLONES static void add_runs(const haft_model *model, const double *u, doubl
                                  asked more, sums *out) {
     sums s = {{0, 0}, {0, 0}, {0, 0}};
     const haft_layout *layout = model->layout;
-    for (size_t r = 0; r < layout->element_runs && layout->element_run[r] < model->elements; r++) {
+    for (size_t r = 0; r < layout->element_runs && layout->element_run[r] < model->data.elements;
+         r++) {
         size_t e = layout->element_run[r];
-        size_t end = r + 1 < layout->element_runs ? layout->element_run[r + 1] : model->elements;
-        end = end < model->elements ? end : model->elements;
+        size_t end =
+            r + 1 < layout->element_runs ? layout->element_run[r + 1] : model->data.elements;
+        end = end < model->data.elements ? end : model->data.elements;
         if (end - e < 2) {
-            add_element(&model->element[e], u, gradient, &s);
+            add_element(&model->data.element[e], u, gradient, &s);
         } else if (more == LARGEST_TOO) { /* a constant in each */
-            add_run(&model->element[e], end - e, u, gradient, LARGEST_TOO, &s);
+            add_run(&model->data.element[e], end - e, u, gradient, LARGEST_TOO, &s);
         } else if (more == MOVED) {
-            add_run(&model->element[e], end - e, u, gradient, MOVED, &s);
+            add_run(&model->data.element[e], end - e, u, gradient, MOVED, &s);
         } else {
-            add_run(&model->element[e], end - e, u, gradient, NO_MORE, &s);
+            add_run(&model->data.element[e], end - e, u, gradient, NO_MORE, &s);
         }
     }
     *out = s;

@@ -144,7 +144,7 @@ static const haft_hdf_column site_columns[] = {
      "0 Morse law of (e, f_max, d_max, d_limit), 1 the curve itself as a monotone table"},
 };
 
-static void write_sites(haft_hdf *hdf, const char *group, const haft_model *model,
+static void write_sites(haft_hdf *hdf, const char *group, const haft_model_data *model,
                         const haft_law *laws, const haft_law_vector *vectors) {
     site_row *row = haft_memory_alloc(model->sites, sizeof *row, hdf->error);
     if (row == NULL) {
@@ -164,7 +164,7 @@ static void write_sites(haft_hdf *hdf, const char *group, const haft_model *mode
 
 /* (w, rotation) of every node in every state; node 0 is the clamp and has no unknowns. */
 static void write_displacement(haft_hdf *hdf, const char *name, const haft_path *path,
-                               const haft_model *model) {
+                               const haft_model_data *model) {
     hsize_t dims[3] = {path->points, model->nodes, 2};
     size_t row = 2 * model->nodes, size = 0;
     if (__builtin_mul_overflow(path->points, row, &size)) {
@@ -188,7 +188,7 @@ static void write_displacement(haft_hdf *hdf, const char *name, const haft_path 
 }
 
 static void write_evidence(haft_results *results, size_t realization, const haft_path *path,
-                           const haft_model *model, const haft_law *laws,
+                           const haft_model_data *model, const haft_law *laws,
                            const haft_law_vector *vectors) {
     haft_hdf *hdf = &results->hdf;
     const haft_case *c = &results->c;
@@ -220,7 +220,7 @@ static void write_evidence(haft_results *results, size_t realization, const haft
 }
 
 static haft_status check_addition(const haft_results *results, size_t realization,
-                                  const haft_path *path, const haft_model *model,
+                                  const haft_path *path, const haft_model_data *model,
                                   haft_error *error) {
     if (realization >= results->c.realizations || results->added[realization]) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT,
@@ -240,7 +240,7 @@ static haft_status check_addition(const haft_results *results, size_t realizatio
 }
 
 haft_status haft_results_add(haft_results *results, size_t realization, const haft_path *path,
-                             const haft_model *model, const haft_law *laws,
+                             const haft_model_data *model, const haft_law *laws,
                              const haft_law_vector *vectors, const haft_summary *summary,
                              haft_error *error) {
     haft_status status = check_addition(results, realization, path, model, error);

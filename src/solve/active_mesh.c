@@ -31,7 +31,7 @@ void haft_active_mesh_enter(haft_tracker *t, size_t at) {
     t->corrector = mesh->corrector;
     t->mass = mesh->mass;
     t->frozen = (haft_frozen){0};
-    lead(t, mesh->model->dofs);
+    lead(t, haft_model_get(mesh->model)->dofs);
 }
 
 static haft_energy subtract(haft_energy a, haft_energy b) {
@@ -40,7 +40,7 @@ static haft_energy subtract(haft_energy a, haft_energy b) {
 
 /* Copies the frozen part to the other state, and clears its motion. */
 static void keep_still(haft_tracker *t, const haft_state *state, haft_state *other) {
-    const haft_model *m = t->mesh[t->at].model;
+    const haft_model_data *m = haft_model_get(t->mesh[t->at].model);
     double *still[] = {t->solution,        t->null,           t->mode,          t->start.u1,
                        t->start.u2,        t->end.u1,         t->end.u2,        t->rebased.u1,
                        t->rebased.u2,      t->work.stage[0],  t->work.stage[1], t->work.stage[2],
@@ -48,7 +48,7 @@ static void keep_still(haft_tracker *t, const haft_state *state, haft_state *oth
     for (size_t i = 0; i < sizeof still / sizeof *still; i++) {
         memset(still[i] + t->n, 0, (m->dofs - t->n) * sizeof(double));
     }
-    size_t first = t->model->sites, sites = m->sites - first;
+    size_t first = haft_mesh_of(t)->sites, sites = m->sites - first;
     memset(t->motion + first, 0, sites * sizeof(double));
     memcpy(other->u + t->n, state->u + t->n, (m->dofs - t->n) * sizeof(double));
     memcpy(other->gap + first, state->gap + first, sites * sizeof(double));
@@ -57,15 +57,13 @@ static void keep_still(haft_tracker *t, const haft_state *state, haft_state *oth
 bool haft_active_mesh_freeze(haft_tracker *t, const haft_state *state, haft_state *other,
                              size_t sites, double most) {
     const haft_model *m = t->mesh[t->at].model;
-    size_t moving = 0;
-    haft_model front = haft_model_front(m, sites, &moving);
-    if (t->problem.options.whole_mesh || (double)moving > most * (double)m->dofs ||
+    size_t moving = haft_model_set_front(t->front, m, sites);
+    if (t->problem.options.whole_mesh || (double)moving > most * (double)haft_model_get(m)->dofs ||
         !lead(t, moving)) {
         haft_active_mesh_enter(t, t->at);
         return false;
     }
-    t->front = front;
-    t->model = &t->front;
+    t->model = t->front;
     keep_still(t, state, other);
     haft_energy part;
     t->frozen = (haft_frozen){0};
@@ -89,7 +87,7 @@ double haft_active_mesh_unbalance(const haft_tracker *t) {
 }
 
 static haft_status create_solvers(haft_tracker *t, haft_active_mesh *mesh, haft_error *error) {
-    const haft_model *m = mesh->model;
+    const haft_model_data *m = haft_model_get(mesh->model);
     haft_factor_kind kind = t->problem.options.linear_solver == HAFT_LINEAR_SOLVER_KLU
                                 ? HAFT_FACTOR_KLU
                                 : HAFT_FACTOR_BAND;
@@ -98,11 +96,12 @@ static haft_status create_solvers(haft_tracker *t, haft_active_mesh *mesh, haft_
     if (status == HAFT_OK) {
         status = haft_diagonals_create(&mesh->mass, m->dofs, m->column, m->row, m->mass, error);
     }
-    return status == HAFT_OK ? haft_corrector_create(&mesh->corrector, t, m, error) : status;
+    return status == HAFT_OK ? haft_corrector_create(&mesh->corrector, t, mesh->model, error)
+                             : status;
 }
 
 haft_status haft_active_meshes_create(haft_tracker *t, haft_error *error) {
-    for (const haft_model *m = t->problem.whole; m != NULL; m = m->shorter) {
+    for (const haft_model *m = t->problem.whole; m != NULL; m = haft_model_shorter(m)) {
         t->meshes += t->meshes == 0 || !t->problem.options.whole_mesh;
     }
     t->mesh = haft_memory_alloc(t->meshes, sizeof *t->mesh, error);
@@ -110,7 +109,7 @@ haft_status haft_active_meshes_create(haft_tracker *t, haft_error *error) {
         return HAFT_ERROR_MEMORY;
     }
     const haft_model *m = t->problem.whole;
-    for (size_t i = 0; i < t->meshes; i++, m = m->shorter) {
+    for (size_t i = 0; i < t->meshes; i++, m = haft_model_shorter(m)) {
         t->mesh[i].model = m;
         haft_status status = create_solvers(t, &t->mesh[i], error);
         if (status != HAFT_OK) {
@@ -145,7 +144,7 @@ static void change(haft_tracker *t, size_t at, haft_state *state) {
 }
 
 bool haft_active_mesh_is_clear(const haft_tracker *t, const double *u) {
-    return haft_model_clear_sites(t->model, u, t->problem.lost) == t->model->inert;
+    return haft_model_clear_sites(t->model, u, t->problem.lost) == haft_mesh_of(t)->inert;
 }
 
 bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ahead) {
@@ -153,7 +152,7 @@ bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ah
         return false;
     }
     size_t clear = haft_model_clear_sites(t->model, ahead, t->problem.lost), at = t->at - 1;
-    while (at > 0 && t->mesh[at].model->inert > clear) {
+    while (at > 0 && haft_model_get(t->mesh[at].model)->inert > clear) {
         at--;
     }
     change(t, at, state);
@@ -163,11 +162,11 @@ bool haft_active_mesh_widen(haft_tracker *t, haft_state *state, const double *ah
 /* Whether a mesh that leaves out the first `inert` sites has sites to spare, even after another
  * move like the last one. */
 static bool is_enough(const haft_tracker *t, size_t inert, const double *u, const double *before) {
-    for (size_t r = inert + SPARE_SITES; r-- > t->problem.whole->inert;) {
-        const haft_site *site = &t->model->site[r];
+    for (size_t r = inert + SPARE_SITES; r-- > haft_model_get(t->problem.whole)->inert;) {
+        const haft_site *site = &haft_mesh_of(t)->site[r];
         double w = haft_model_displacement(site, u);
         double coming = before == NULL ? 0 : w - haft_model_displacement(site, before);
-        if (t->model->gap - w - fmax(0, 2 * coming) <= t->problem.lost[r]) {
+        if (haft_mesh_of(t)->gap - w - fmax(0, 2 * coming) <= t->problem.lost[r]) {
             return false;
         }
     }
@@ -176,7 +175,8 @@ static bool is_enough(const haft_tracker *t, size_t inert, const double *u, cons
 
 bool haft_active_mesh_narrow(haft_tracker *t, haft_state *state, const double *before) {
     size_t at = t->at;
-    while (at + 1 < t->meshes && is_enough(t, t->mesh[at + 1].model->inert, state->u, before)) {
+    while (at + 1 < t->meshes &&
+           is_enough(t, haft_model_get(t->mesh[at + 1].model)->inert, state->u, before)) {
         at++;
     }
     if (at == t->at) {

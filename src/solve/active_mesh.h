@@ -31,7 +31,7 @@ bool haft_active_mesh_unfreeze(haft_tracker *t, haft_state *state);
 double haft_active_mesh_unbalance(const haft_tracker *t);
 
 static inline bool haft_active_mesh_is_frozen(const haft_tracker *t) {
-    return t->model == &t->front;
+    return t->model == t->front;
 }
 
 /* Moves a state to a longer mesh that includes all sites it would touch at u = `ahead`; or to the

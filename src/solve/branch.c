@@ -85,9 +85,9 @@ static void refine_all(haft_tracker *t, double *x, double enough) {
 static void put_load(haft_tracker *t) {
     double *b = t->work.scratch[0];
     memset(b, 0, t->n * sizeof *b);
-    haft_tracker_add_row(t, &t->model->load, 1, b);
-    memset(b + t->n, 0, (t->model->dofs - t->n) * sizeof *b);
-    memcpy(t->solution, b, t->model->dofs * sizeof *b);
+    haft_tracker_add_row(t, &haft_mesh_of(t)->load, 1, b);
+    memset(b + t->n, 0, (haft_mesh_of(t)->dofs - t->n) * sizeof *b);
+    memcpy(t->solution, b, haft_mesh_of(t)->dofs * sizeof *b);
 }
 
 bool haft_branch_loses_digits(haft_tracker *t) {
@@ -109,7 +109,7 @@ haft_inertia haft_branch_certify(haft_tracker *t) {
 /* H u2 = b P2 - sum_r A_r f''_r (s_r u1)^2 s_r, with zero second derivative of the parameter. */
 static void second_derivatives(haft_tracker *t, const haft_state *state, haft_parameter parameter,
                                int side, double rate, haft_branch *out) {
-    const haft_model *m = t->model;
+    const haft_model_data *m = haft_mesh_of(t);
     double *d = t->work.site[0], *force = t->work.site[1], by_control = 1 / rate,
            unit = 1 / m->energy_unit;
     haft_law_values values = {t->work.site[2], t->work.site[3], t->work.site[4], force};
@@ -123,7 +123,7 @@ static void second_derivatives(haft_tracker *t, const haft_state *state, haft_pa
         force[r] = -weight * values.curvature[r - m->inert] * motion * motion;
     }
     memset(out->u2, 0, m->dofs * sizeof *out->u2);
-    haft_model_add_forces(m, force, out->u2);
+    haft_model_add_forces(t->model, force, out->u2);
     memset(out->u2 + t->n, 0, (m->dofs - t->n) * sizeof *out->u2); /* the frozen part stays */
     memcpy(t->work.scratch[0], out->u2, t->n * sizeof *out->u2);
     haft_tracker_solve(t, out->u2);
@@ -175,7 +175,7 @@ static quintic interpolate(double h, double p0, double v0, double a0, double p1,
 }
 
 double haft_branch_work(const haft_tracker *t, double dtau) {
-    const haft_site *load = &t->model->load;
+    const haft_site *load = &haft_mesh_of(t)->load;
     quintic p = interpolate(dtau, t->here.load, t->start.load1, t->start.load2, t->next.load,
                             t->end.load1, t->end.load2);
     quintic w = interpolate(
@@ -188,7 +188,7 @@ double haft_branch_work(const haft_tracker *t, double dtau) {
             work += p.c[i] * w.c[j] * j / (i + j);
         }
     }
-    return work * t->model->energy_unit;
+    return work * haft_mesh_of(t)->energy_unit;
 }
 
 double haft_branch_least_eigenvalue(haft_tracker *t) {
@@ -316,7 +316,7 @@ haft_step_result haft_branch_try(haft_tracker *t, haft_step *step, int direction
     step->failure = HAFT_OUTCOME_STEP_STALLED;
     double depth = 1, where = 0;
     if (step->parameter.site != NULL &&
-        fabs(step->dtau) * t->model->gap >
+        fabs(step->dtau) * haft_mesh_of(t)->gap >
             DIP_STEP * t->problem.lengths.range[step->parameter.index]) {
         where = deepest_dip(t, step->dtau, &depth);
     }

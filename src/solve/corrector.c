@@ -106,23 +106,17 @@ static int solver_setup(SUNLinearSolver solver, SUNMatrix matrix) {
     (void)matrix;
     haft_corrector *c = solver->content;
     haft_tracker *t = c->tracker;
-    const haft_site *site = c->parameter.site;
-    const int *slot = t->model->site_slot + c->parameter.index * HAFT_SPAN * HAFT_SPAN;
-    int terms = site == NULL ? 0 : site->terms;
-    double factor = c->kappa / (t->model->gap * t->model->gap), kept[HAFT_SPAN][HAFT_SPAN];
-    for (int i = 0; i < terms; i++) {
-        for (int j = 0; j < terms; j++) {
-            double *entry = &t->hessian[slot[i * HAFT_SPAN + j]];
-            kept[i][j] = *entry;
-            *entry += factor * site->shape[i] * site->shape[j];
-        }
+    bool bordered = c->parameter.site != NULL;
+    size_t site = c->parameter.index;
+    double factor = c->kappa / (haft_mesh_of(t)->gap * haft_mesh_of(t)->gap),
+           kept[HAFT_SPAN * HAFT_SPAN];
+    if (bordered) {
+        haft_model_add_stiffness(t->model, site, factor, t->hessian, kept);
     }
     haft_tracker_count_factorization(t);
     bool made = haft_factor_update(c->factor, t->hessian);
-    for (int i = 0; i < terms; i++) {
-        for (int j = 0; j < terms; j++) {
-            t->hessian[slot[i * HAFT_SPAN + j]] = kept[i][j];
-        }
+    if (bordered) {
+        haft_model_restore_stiffness(t->model, site, kept, t->hessian);
     }
     return made ? 0 : 1;
 }
@@ -139,7 +133,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     memcpy(y, rhs, t->n * sizeof *y);
     memset(out + t->n, 0, (c->n - t->n) * sizeof *out);
     if (c->parameter.site == NULL) {
-        haft_tracker_add_row(t, &t->model->load, s, y);
+        haft_tracker_add_row(t, &haft_mesh_of(t)->load, s, y);
         haft_factor_solve(c->factor, y, 1);
         memcpy(out, y, t->n * sizeof *out);
         out[c->n] = s;
@@ -148,7 +142,7 @@ static int solver_solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_
     double *z = t->work.pair + t->n;
     memset(z, 0, t->n * sizeof *z);
     haft_tracker_add_row(t, c->parameter.site, c->kappa * s, y);
-    haft_tracker_add_row(t, &t->model->load, 1, z);
+    haft_tracker_add_row(t, &haft_mesh_of(t)->load, 1, z);
     haft_factor_solve(c->factor, t->work.pair, 2);
     double d_load =
         (s - haft_tracker_row(t, c->parameter.site, y)) / haft_tracker_row(t, c->parameter.site, z);
@@ -230,18 +224,19 @@ static bool set_up_kinsol(haft_corrector *c) {
 
 haft_status haft_corrector_create(haft_corrector **out, haft_tracker *t, const haft_model *model,
                                   haft_error *error) {
+    const haft_model_data *m = haft_model_get(model);
     *out = NULL;
     haft_corrector *c = haft_memory_alloc(1, sizeof *c, error);
     if (c == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     c->tracker = t;
-    c->n = model->dofs;
+    c->n = m->dofs;
     haft_factor_kind kind = t->problem.options.linear_solver == HAFT_LINEAR_SOLVER_BAND
                                 ? HAFT_FACTOR_BAND
                                 : HAFT_FACTOR_KLU;
-    haft_status status = haft_factor_create(&c->factor, kind, c->n, model->column, model->row,
-                                            model->stiffness, error);
+    haft_status status =
+        haft_factor_create(&c->factor, kind, c->n, m->column, m->row, m->stiffness, error);
     if (status != HAFT_OK) {
         haft_corrector_destroy(&c);
         return status;
@@ -292,7 +287,7 @@ bool haft_corrector_use_leading(haft_corrector *corrector, size_t n) {
 static double rounding_floor(const haft_tracker *t, const double *u) {
     double largest = 0;
     const double *h = t->hessian;
-    const int *column = t->model->column, *row = t->model->row;
+    const int *column = haft_mesh_of(t)->column, *row = haft_mesh_of(t)->row;
     for (size_t j = 0; j < t->n; j++) { /* H is symmetric: a column is a row */
         double even = 0, odd = 0;
         int k = column[j], end = column[j + 1];
@@ -317,10 +312,10 @@ static double parameter_length(const haft_tracker *t, haft_parameter parameter, 
     }
     double size = fabs(value);
     for (int k = 0; k < site->terms; k++) {
-        size += fabs(site->shape[k] * u[site->dof[k]]) / t->model->gap;
+        size += fabs(site->shape[k] * u[site->dof[k]]) / haft_mesh_of(t)->gap;
     }
     double least = VALUE_ROUNDING * size / t->problem.options.residual_tolerance;
-    return fmax(t->problem.lengths.range[parameter.index] / t->model->gap, least);
+    return fmax(t->problem.lengths.range[parameter.index] / haft_mesh_of(t)->gap, least);
 }
 
 /* A stiffness at the parameter that exceeds any softening of its law. */
@@ -330,8 +325,8 @@ static double border_stiffness(const haft_tracker *t, haft_parameter parameter) 
     }
     const haft_law *law = &t->problem.laws[parameter.index];
     double slope = 4 * law->f_max / t->problem.lengths.range[parameter.index];
-    double gap = t->model->gap;
-    return 1 + slope * parameter.site->area * gap * gap / t->model->energy_unit;
+    double gap = haft_mesh_of(t)->gap;
+    return 1 + slope * parameter.site->area * gap * gap / haft_mesh_of(t)->energy_unit;
 }
 
 /* Runs KINSOL from c->y down to a residual of `tolerance`. */
@@ -363,7 +358,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double valu
         return false;
     }
     c->evaluated = true;
-    memcpy(t->gap_predicted, t->gap, t->model->sites * sizeof(double));
+    memcpy(t->gap_predicted, t->gap, haft_mesh_of(t)->sites * sizeof(double));
     force = fmax(fmax(force, fabs(state->load)), LEAST_FORCE);
     double *scale = N_VGetArrayPointer(c->f_scale);
     for (size_t i = 0; i < c->n; i++) {
@@ -385,7 +380,7 @@ bool haft_corrector_solve(haft_tracker *t, haft_parameter parameter, double valu
     memcpy(state->u, y, t->n * sizeof *y);
     state->load = y[c->n];
     state->energy = c->energy;
-    memcpy(state->gap, t->gap, t->model->sites * sizeof(double));
+    memcpy(state->gap, t->gap, haft_mesh_of(t)->sites * sizeof(double));
     state->crack = NAN;
     return true;
 }

@@ -26,7 +26,8 @@ static void describe_jump(haft_walker *w, haft_jump *jump) {
     haft_tracker *t = w->t;
     double closing = 0, *gap = t->work.site[0];
     haft_model_gaps(t->model, t->here.u, gap);
-    for (size_t r = t->problem.whole->inert; r < t->problem.whole->sites; r++) {
+    for (size_t r = haft_model_get(t->problem.whole)->inert;
+         r < haft_model_get(t->problem.whole)->sites; r++) {
         bool before = t->gap_before[r] <= t->problem.reach[r],
              after = gap[r] <= t->problem.reach[r];
         jump->sites_switched += before != after;
@@ -51,7 +52,7 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
     haft_tracker_scaled_displacement(t, t->here.gap, t->null, &site);
     jump.site = (int)site;
     double energy = t->here.energy.strain + t->here.energy.contact;
-    double deflection = haft_tracker_row(t, &t->model->load, t->here.u);
+    double deflection = haft_tracker_row(t, &haft_mesh_of(t)->load, t->here.u);
     haft_model_gaps(t->model, t->here.u, t->gap_before);
     size_t at = t->at;
     haft_outcome outcome = haft_landing_follow(t, away, &jump.flow_steps);
@@ -65,8 +66,8 @@ static haft_outcome jump_from_here(haft_walker *w, haft_departure departure, con
     if (departure == HAFT_DEPARTURE_REST && jump.flow_steps == 0) {
         return HAFT_OUTCOME_STUCK; /* no jump */
     }
-    double work = t->here.load * t->model->energy_unit *
-                  (haft_tracker_row(t, &t->model->load, t->here.u) - deflection);
+    double work = t->here.load * haft_mesh_of(t)->energy_unit *
+                  (haft_tracker_row(t, &haft_mesh_of(t)->load, t->here.u) - deflection);
     jump.dissipated = work + energy - t->here.energy.strain - t->here.energy.contact;
     jump.crack_after = haft_tracker_crack(t, &t->here);
     jump.internal_after = t->here.energy.strain;
@@ -113,7 +114,7 @@ haft_outcome haft_jump_at_fold(haft_walker *w, const haft_step *step, double def
 
 /* Pi at the load of `here`, at here + amplitude * null. */
 static double energy_beside(haft_tracker *t, double amplitude) {
-    memcpy(t->spare.u, t->here.u, t->mesh[t->at].model->dofs * sizeof(double));
+    memcpy(t->spare.u, t->here.u, haft_model_get(t->mesh[t->at].model)->dofs * sizeof(double));
     for (size_t i = 0; i < t->n; i++) {
         t->spare.u[i] = t->here.u[i] + amplitude * t->null[i];
     }
@@ -126,8 +127,8 @@ static double energy_beside(haft_tracker *t, double amplitude) {
 static int conventional_sign(const haft_walker *w) {
     const haft_tracker *t = w->t;
     double most = haft_tracker_scaled_displacement(t, t->here.gap, t->null, NULL);
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
-        double closing = haft_model_displacement(&t->model->site[r], t->null);
+    for (size_t r = haft_mesh_of(t)->inert; r < haft_mesh_of(t)->sites; r++) {
+        double closing = haft_model_displacement(&haft_mesh_of(t)->site[r], t->null);
         if (fabs(closing) / haft_length(&t->problem.lengths, r, t->here.gap[r]) > 0.999 * most) {
             return closing * w->direction > 0 ? 1 : -1;
         }

@@ -74,7 +74,8 @@ HAFT_CLONES static void add_scaled(size_t n, const double *a, double factor, con
 
 /* Factors the matrix of a step dt, and solves for b. @return whether it is positive definite */
 static bool solve_damped(haft_tracker *t, double dt, double *b) {
-    add_scaled(t->model->nonzeros, t->hessian, 1 / (GAMMA * dt), t->model->mass, t->work.matrix);
+    add_scaled(haft_mesh_of(t)->nonzeros, t->hessian, 1 / (GAMMA * dt), haft_mesh_of(t)->mass,
+               t->work.matrix);
     return haft_tracker_factor_solve(t, t->work.matrix, b) &&
            haft_factor_inertia(t->factor).negative == 0;
 }
@@ -289,7 +290,7 @@ static bool hold_or_let_go(haft_tracker *t, landing *l, bool settling) {
         return true;
     }
     l->held--;
-    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > t->model->sites) {
+    if (settling || l->held == 0 || moved_sites(t, l) + LEAST_SPARE > haft_mesh_of(t)->sites) {
         return haft_active_mesh_unfreeze(t, l->from);
     }
     return true;

@@ -16,9 +16,9 @@ static bool is_pressed_through(const haft_walker *w) {
     if (w->direction < 0 || isfinite(t->problem.programme.load_limit)) {
         return false;
     }
-    for (size_t r = t->model->inert; r < t->model->sites; r++) {
+    for (size_t r = haft_mesh_of(t)->inert; r < haft_mesh_of(t)->sites; r++) {
         if (t->problem.lengths.wall[r] - t->here.gap[r] >
-            t->problem.whole->gap + DEEP_RANGES * t->problem.lengths.range[r]) {
+            haft_model_get(t->problem.whole)->gap + DEEP_RANGES * t->problem.lengths.range[r]) {
             return true;
         }
     }
@@ -51,8 +51,9 @@ static haft_outcome follow(haft_walker *w) {
 }
 
 static bool touches(const haft_tracker *t) {
-    for (size_t r = 0; r < t->model->sites; r++) {
-        double d = t->model->gap - haft_model_displacement(&t->model->site[r], t->here.u);
+    for (size_t r = 0; r < haft_mesh_of(t)->sites; r++) {
+        double d =
+            haft_mesh_of(t)->gap - haft_model_displacement(&haft_mesh_of(t)->site[r], t->here.u);
         if (d <= t->problem.reach[r]) {
             return true;
         }

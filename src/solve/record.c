@@ -39,7 +39,7 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
         size_t states = path->state == NULL ? 0 : path->point_capacity;
         array = path->state;
         status = grow(&array, path->points, &states, path->points + 1,
-                      t->problem.whole->dofs * sizeof(double), error);
+                      haft_model_get(t->problem.whole)->dofs * sizeof(double), error);
         path->state = array;
     }
     if (status == HAFT_OK) {
@@ -51,7 +51,7 @@ static haft_status grow_points(haft_path *path, const haft_tracker *t, haft_erro
 /* Interpolates `here` to the whole mesh. */
 static void copy_state(const haft_tracker *t, double *u) {
     if (t->at == 0) {
-        memcpy(u, t->here.u, t->problem.whole->dofs * sizeof *u);
+        memcpy(u, t->here.u, haft_model_get(t->problem.whole)->dofs * sizeof *u);
     } else {
         haft_model_carry(t->mesh[t->at].model, t->problem.whole, t->here.u, u);
     }
@@ -72,7 +72,7 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
     t->ledger_left = fmax(0, t->problem.options.ledger_tolerance * ledger->turnover - missing);
     path->point[path->points] = (haft_path_point){
         .load = t->here.load * t->problem.load_unit,
-        .deflection = haft_model_displacement(&t->model->load, t->here.u),
+        .deflection = haft_model_displacement(&haft_mesh_of(t)->load, t->here.u),
         .crack_length = haft_tracker_crack(t, &t->here),
         .internal_energy = t->here.energy.strain,
         .contact_energy = t->here.energy.contact,
@@ -84,7 +84,7 @@ haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *led
         .jump = jump,
     };
     if (t->problem.options.keep_states) {
-        copy_state(t, path->state + path->points * t->problem.whole->dofs);
+        copy_state(t, path->state + path->points * haft_model_get(t->problem.whole)->dofs);
     }
     path->points++;
     return HAFT_OK;
@@ -103,7 +103,7 @@ haft_status haft_record_jump(haft_path *path, const haft_jump *jump, haft_error 
 
 /* |w_tip / w_end| under a force at the free end, at `here`, whose Hessian is factored anew. */
 static double end_influence(haft_tracker *t, double crack) {
-    const haft_model *m = t->model;
+    const haft_model_data *m = haft_mesh_of(t);
     size_t end = 2 * (m->nodes - 2); /* the last node's deflection */
     double *w = t->work.scratch[0];
     if (!haft_tracker_evaluate(t, t->here.u, t->here.load, NULL, NULL) ||
@@ -114,13 +114,14 @@ static double end_influence(haft_tracker *t, double crack) {
     w[end] = 1;
     haft_tracker_solve(t, w);
     double deflection, rotation;
-    haft_model_shape(m, w, crack, &deflection, &rotation);
+    haft_model_shape(t->model, w, crack, &deflection, &rotation);
     return fabs(deflection / (m->scale[end] * w[end]));
 }
 
 haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledger *ledger,
                                haft_error *error) {
-    path->final_state = haft_memory_alloc(t->problem.whole->dofs, sizeof(double), error);
+    path->final_state =
+        haft_memory_alloc(haft_model_get(t->problem.whole)->dofs, sizeof(double), error);
     if (path->final_state == NULL) {
         return HAFT_ERROR_MEMORY;
     }
@@ -128,7 +129,8 @@ haft_status haft_record_finish(haft_path *path, haft_tracker *t, const haft_ledg
     double scale = fmax(ledger->turnover, NEGLIGIBLE_WORK * ledger->greatest);
     path->ledger_error = scale > 0 ? ledger->worst / scale : 0;
     path->cost = t->cost;
-    bool stuck = path->outcome == HAFT_OUTCOME_STUCK && t->model->nodes > 1 && path->points > 0;
+    bool stuck =
+        path->outcome == HAFT_OUTCOME_STUCK && haft_mesh_of(t)->nodes > 1 && path->points > 0;
     bool solved =
         stuck || path->outcome == HAFT_OUTCOME_FREE || path->outcome == HAFT_OUTCOME_STUCK;
     path->end_influence = solved ? 0 : NAN;

@@ -36,7 +36,7 @@ static haft_parameter choose_control(haft_tracker *t) {
     if (!(move > 0)) {
         return (haft_parameter){NULL, 0};
     }
-    return (haft_parameter){&t->model->site[site], site};
+    return (haft_parameter){&haft_mesh_of(t)->site[site], site};
 }
 
 /* Derivatives at `here` by the step's parameter: those at the end of the last step, unless the two
@@ -66,7 +66,7 @@ static void depart(haft_walker *w, haft_step *step) {
     if (site != NULL) {
         double length = haft_step_length(&t->problem.lengths, step->parameter.index,
                                          t->here.gap[step->parameter.index]);
-        size = w->step_size * length / t->model->gap;
+        size = w->step_size * length / haft_mesh_of(t)->gap;
     }
     step->dtau = step->sign * size;
 }
@@ -90,7 +90,7 @@ static double passing_share(double d, double a, double b, double kink, double ne
  * that it ends on the kink to rounding. */
 static void stop_at_kink(haft_walker *w, haft_step *step) {
     haft_tracker *t = w->t;
-    const haft_model *m = t->model;
+    const haft_model_data *m = haft_mesh_of(t);
     double first = 1, target = 0, rate = t->start.load1;
     const double *d = t->here.gap;
     size_t chosen = m->sites;
@@ -114,11 +114,11 @@ static void stop_at_kink(haft_walker *w, haft_step *step) {
             }
         }
     }
-    if (chosen < t->model->sites) {
-        step->parameter = (haft_parameter){&t->model->site[chosen], chosen};
+    if (chosen < haft_mesh_of(t)->sites) {
+        step->parameter = (haft_parameter){&haft_mesh_of(t)->site[chosen], chosen};
         double turned = haft_branch_rebase(t, step->parameter, &t->start);
         step->sign = turned > 0 ? step->sign : -step->sign;
-        step->dtau = target / t->model->gap;
+        step->dtau = target / haft_mesh_of(t)->gap;
         step->at_kink = true;
     }
 }

@@ -84,12 +84,12 @@ bool haft_tracker_factor_solve(haft_tracker *t, const double *matrix, double *b)
 }
 
 double haft_tracker_row(const haft_tracker *t, const haft_site *site, const double *v) {
-    return haft_model_displacement(site, v) / t->model->gap;
+    return haft_model_displacement(site, v) / haft_mesh_of(t)->gap;
 }
 
 void haft_tracker_add_row(const haft_tracker *t, const haft_site *site, double factor, double *v) {
     for (int k = 0; k < site->terms; k++) {
-        v[site->dof[k]] += factor * site->shape[k] / t->model->gap;
+        v[site->dof[k]] += factor * site->shape[k] / haft_mesh_of(t)->gap;
     }
 }
 
@@ -109,7 +109,8 @@ double haft_tracker_weigh(const haft_tracker *t, const double *x, double *restri
 
 double haft_tracker_potential(const haft_tracker *t, const haft_state *state) {
     return state->energy.strain + state->energy.contact -
-           state->load * t->model->energy_unit * haft_tracker_row(t, &t->model->load, state->u);
+           state->load * haft_mesh_of(t)->energy_unit *
+               haft_tracker_row(t, &haft_mesh_of(t)->load, state->u);
 }
 
 double haft_tracker_rounding(const haft_state *a, const haft_state *b) {
@@ -133,7 +134,8 @@ double haft_tracker_crack(const haft_tracker *t, haft_state *state) {
 /* Displacements by `by`, or to the gaps `to`, on the mesh in use. */
 static haft_displacements of(const haft_tracker *t, const double *gap, const double *by,
                              const double *to) {
-    return (haft_displacements){&t->problem.lengths, t->model->inert, t->model->sites, gap, by, to};
+    return (haft_displacements){
+        &t->problem.lengths, haft_mesh_of(t)->inert, haft_mesh_of(t)->sites, gap, by, to};
 }
 
 double haft_tracker_largest_step(const haft_tracker *t, const double *gap, const double *motion,

@@ -91,7 +91,7 @@ typedef struct haft_tracker {
     haft_factor *factor;
     haft_corrector *corrector;
     haft_diagonals *mass;
-    haft_model front; /* the moving part of the mesh in use, while the rest is frozen */
+    haft_model *front; /* the moving part of the mesh in use, while the rest is frozen */
     haft_frozen frozen;
     size_t n;                   /* unknowns that move */
     double *gradient, *hessian; /* at the state last evaluated */
@@ -115,6 +115,11 @@ typedef struct haft_tracker {
     double ledger_left; /* allowance of the ledger at `here`, besides that of new work [J] */
     haft_path_cost cost;
 } haft_tracker;
+
+/* The mesh in use, or the moving part of it. */
+static inline const haft_model_data *haft_mesh_of(const haft_tracker *t) {
+    return haft_model_get(t->model);
+}
 
 /* Makes a tracker and puts it at rest: u = 0, P = 0, certified. */
 haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, const haft_law *laws,

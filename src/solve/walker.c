@@ -75,7 +75,7 @@ static void hold(haft_walker *w) {
     haft_tracker *t = w->t;
     bool held = haft_active_mesh_is_frozen(t);
     size_t sites = haft_tracker_stirred(t, STILL_SHARE) + SPARE_SITES;
-    if (held && sites + WORTH_SITES > t->model->sites) {
+    if (held && sites + WORTH_SITES > haft_mesh_of(t)->sites) {
         return;
     }
     if (!haft_active_mesh_freeze(t, &t->here, &t->next, sites, STILL_MOST)) {

@@ -96,13 +96,13 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
     list_vectors(t, vector);
     list_site_vectors(t, site_vector);
     if (!allocate_list(vector, VECTORS, t->n, error) ||
-        !allocate_list(site_vector, SITE_VECTORS, t->model->sites, error)) {
+        !allocate_list(site_vector, SITE_VECTORS, haft_mesh_of(t)->sites, error)) {
         return HAFT_ERROR_MEMORY;
     }
     t->work.pair = haft_memory_alloc(2 * t->n, sizeof(double), error);
-    t->hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
-    t->other.hessian = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
-    t->work.matrix = haft_memory_alloc(t->model->nonzeros, sizeof(double), error);
+    t->hessian = haft_memory_alloc(haft_mesh_of(t)->nonzeros, sizeof(double), error);
+    t->other.hessian = haft_memory_alloc(haft_mesh_of(t)->nonzeros, sizeof(double), error);
+    t->work.matrix = haft_memory_alloc(haft_mesh_of(t)->nonzeros, sizeof(double), error);
     if (!t->work.pair || !t->hessian || !t->other.hessian || !t->work.matrix) {
         return HAFT_ERROR_MEMORY;
     }
@@ -116,7 +116,7 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
 #define LOST_SHARE 1e-16
 
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
-    for (size_t r = 0; r < t->model->sites; r++) {
+    for (size_t r = 0; r < haft_mesh_of(t)->sites; r++) {
         haft_law_lengths lengths = haft_law_find_lengths(&t->problem.laws[r]);
         t->problem.lengths.range[r] = lengths.range;
         t->problem.lengths.edge[r] = lengths.edge;
@@ -142,6 +142,7 @@ static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
 haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, const haft_law *laws,
                                 const haft_programme *programme, const haft_path_options *options,
                                 haft_error *error) {
+    const haft_model_data *m = haft_model_get(model);
     *out = NULL;
     haft_tracker *t = haft_memory_alloc(1, sizeof *t, error);
     if (t == NULL) {
@@ -152,12 +153,15 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
     t->problem.laws = laws;
     t->problem.programme = *programme;
     t->problem.options = resolve(options);
-    t->n = model->dofs;
-    t->problem.load_unit = model->energy_unit / model->gap;
+    t->n = m->dofs;
+    t->problem.load_unit = m->energy_unit / m->gap;
     t->needs_refinement = true; /* until it is known */
     haft_status status = allocate(t, error);
     if (status == HAFT_OK) {
-        status = haft_law_rows_create(&t->problem.rows, model->sites, laws, error);
+        status = haft_model_create_front(&t->front, error);
+    }
+    if (status == HAFT_OK) {
+        status = haft_law_rows_create(&t->problem.rows, m->sites, laws, error);
     }
     if (status == HAFT_OK) {
         status = put_at_rest(t, error);
@@ -185,6 +189,7 @@ void haft_tracker_destroy(haft_tracker **tracker) {
     haft_memory_free(t->other.hessian);
     haft_memory_free(t->work.matrix);
     haft_law_rows_destroy(&t->problem.rows);
+    haft_model_destroy_front(&t->front);
     haft_memory_free(t);
     *tracker = NULL;
 }

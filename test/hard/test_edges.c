@@ -28,8 +28,8 @@ static haft_path *follow(const haft_beam_spec *beam, haft_mesh_spec mesh, haft_l
     haft_error error = {0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, beam, &mesh, &error), error);
-    haft_law *laws = haft_memory_alloc(model->sites, sizeof *laws, &error);
-    for (size_t r = 0; r < model->sites; r++) {
+    haft_law *laws = haft_memory_alloc(haft_model_get(model)->sites, sizeof *laws, &error);
+    for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
         laws[r] = law;
     }
     haft_programme programme = {crack, 0.01, limit};
@@ -155,8 +155,9 @@ static void a_beam_begins_in_the_valley_below_it(void **state) {
     haft_model *model = NULL;
     haft_error error = {0};
     check_ok(haft_model_create_beam(&model, &beam, &mesh, &error), error);
-    double first = beam.gap - haft_model_displacement(&model->site[0], path->state);
-    double second = beam.gap - haft_model_displacement(&model->site[1], path->state);
+    double first = beam.gap - haft_model_displacement(&haft_model_get(model)->site[0], path->state);
+    double second =
+        beam.gap - haft_model_displacement(&haft_model_get(model)->site[1], path->state);
     print_message("  gaps %.4f and %.4f nm\n", 1e9 * first, 1e9 * second);
     check_near(first, 20.5e-9, 0.05e-9); /* as a stiff integrator of the flow finds them */
     check_near(second, 1.62e-9, 0.005e-9);

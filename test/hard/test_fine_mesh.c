@@ -40,16 +40,16 @@ static void the_free_beam_keeps_its_digits(void **state) {
     (void)state;
     for (int e = 0; e < MESHES; e++) {
         haft_model *model = make_beam(ELEMENT[e]);
-        haft_law *law = haft_memory_alloc(model->sites, sizeof *law, NULL);
-        for (size_t r = 0; r < model->sites; r++) {
+        haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, NULL);
+        for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
             law[r] = nothing();
         }
         double load = 1e-6, worst = 0;
         haft_path *path = follow(model, law, 1e-9, load);
         assert_int_equal(path->outcome, HAFT_OUTCOME_FREE);
-        const double *u = path->state + path->turn * model->dofs;
-        for (size_t k = 1; k < model->nodes; k++) {
-            double w, slope, x = model->node_x[k];
+        const double *u = path->state + path->turn * haft_model_get(model)->dofs;
+        for (size_t k = 1; k < haft_model_get(model)->nodes; k++) {
+            double w, slope, x = haft_model_get(model)->node_x[k];
             haft_model_shape(model, u, x, &w, &slope);
             worst = fmax(worst, fabs(w / exact_deflection(load, 60e-6, x) - 1));
         }
@@ -70,8 +70,8 @@ static void a_sticking_beam_keeps_its_path(void **state) {
     haft_path *first = NULL;
     for (int e = 0; e < MESHES; e++) {
         haft_model *model = make_beam(ELEMENT[e]);
-        haft_law *law = haft_memory_alloc(model->sites, sizeof *law, NULL);
-        for (size_t r = 0; r < model->sites; r++) {
+        haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, NULL);
+        for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
             double z[2];
             haft_random_normals((haft_random_key){3, HAFT_RANDOM_TEST}, 0, r, 0, 2, z);
             haft_law_vector v = {7e-3 * exp(0.25 * z[0]), 3e6 * exp(0.15 * z[0] + 0.1 * z[1]),
@@ -97,8 +97,9 @@ static void a_sticking_beam_keeps_its_path(void **state) {
                        first->point[first->points - 1].crack_length;
         print_message("  l_e %4.1f um: %zu unknowns, %zu jumps, loads within %.1e of the largest, "
                       "losses %.1e, crack %.1e, ledger %.1e; %zu steps, %zu rejected, %.2f s\n",
-                      ELEMENT[e] * 1e6, model->dofs, path->jumps, loads, losses, fabs(crack - 1),
-                      path->ledger_error, path->cost.steps, path->cost.rejected, seconds);
+                      ELEMENT[e] * 1e6, haft_model_get(model)->dofs, path->jumps, loads, losses,
+                      fabs(crack - 1), path->ledger_error, path->cost.steps, path->cost.rejected,
+                      seconds);
         check_less(loads, 1e-8);
         check_less(losses, 1e-6);
         check_near(crack, 1, 1e-8);

@@ -41,7 +41,7 @@ static haft_model *make_beam(void) {
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 100e-6, 20e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    assert_int_equal(model->sites, SITES);
+    assert_int_equal(haft_model_get(model)->sites, SITES);
     return model;
 }
 

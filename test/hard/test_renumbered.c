@@ -7,7 +7,7 @@
 static const haft_beam_spec BEAM = {600e-6, 30e-6, 2.62e-6, 1.9e-6, 163e9};
 
 static void make_laws(const haft_model *model, uint64_t seed, haft_law *law) {
-    for (size_t r = 0; r < model->sites; r++) {
+    for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
         double z[4];
         haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 0, r, 0, 4, z);
         double d_max = 9.5e-9 + 0.35e-9 * z[2];
@@ -25,25 +25,26 @@ static void turn_dofs(int dof[HAFT_SPAN], size_t dofs) {
 
 /* The same structure, its parts in reverse order. */
 static haft_model *backwards(const haft_model *m) {
+    const haft_model_data *data = haft_model_get(m);
     haft_error error = {0};
-    haft_element *element = haft_memory_alloc(m->elements, sizeof *element, &error);
-    haft_site *site = haft_memory_alloc(m->sites, sizeof *site, &error);
-    haft_site load = m->load;
-    turn_dofs(load.dof, m->dofs);
-    for (size_t e = 0; e < m->elements; e++) {
-        element[e] = m->element[m->elements - 1 - e];
-        turn_dofs(element[e].dof, m->dofs);
+    haft_element *element = haft_memory_alloc(data->elements, sizeof *element, &error);
+    haft_site *site = haft_memory_alloc(data->sites, sizeof *site, &error);
+    haft_site load = data->load;
+    turn_dofs(load.dof, data->dofs);
+    for (size_t e = 0; e < data->elements; e++) {
+        element[e] = data->element[data->elements - 1 - e];
+        turn_dofs(element[e].dof, data->dofs);
     }
-    for (size_t r = 0; r < m->sites; r++) {
-        site[r] = m->site[m->sites - 1 - r];
-        turn_dofs(site[r].dof, m->dofs);
+    for (size_t r = 0; r < data->sites; r++) {
+        site[r] = data->site[data->sites - 1 - r];
+        turn_dofs(site[r].dof, data->dofs);
     }
-    haft_model_parts parts = {.dofs = m->dofs,
-                              .energy_unit = m->energy_unit,
-                              .gap = m->gap,
-                              .elements = m->elements,
+    haft_model_parts parts = {.dofs = data->dofs,
+                              .energy_unit = data->energy_unit,
+                              .gap = data->gap,
+                              .elements = data->elements,
                               .element = element,
-                              .sites = m->sites,
+                              .sites = data->sites,
                               .site = site,
                               .load = load};
     haft_model *out = NULL;
@@ -73,7 +74,7 @@ static void the_numbering_changes_nothing(void **state) {
         haft_model *model = NULL;
         check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
         haft_model *turned = backwards(model);
-        size_t n = model->dofs, sites = model->sites;
+        size_t n = haft_model_get(model)->dofs, sites = haft_model_get(model)->sites;
         haft_law *law = haft_memory_alloc(2 * sites, sizeof *law, &error);
         make_laws(model, seed, law);
         for (size_t r = 0; r < sites; r++) {

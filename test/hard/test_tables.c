@@ -9,7 +9,7 @@ enum { POINTS = 221 };
 
 /* The Morse laws of a random beam as tables, each point off by up to 3 % of the greatest pull. */
 static void make_tables(const random_beam *b, uint64_t seed, haft_law_table **table) {
-    for (size_t r = 0; r < b->model->sites; r++) {
+    for (size_t r = 0; r < haft_model_get(b->model)->sites; r++) {
         double d[POINTS], f[POINTS], z[POINTS];
         haft_error error = {0};
         haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 1, r, 0, POINTS, z);

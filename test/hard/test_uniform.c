@@ -18,8 +18,8 @@ static scene make_scene(const haft_beam_spec *beam, haft_mesh_spec mesh, haft_la
     scene s = {0};
     haft_error error = {0};
     check_ok(haft_model_create_beam(&s.model, beam, &mesh, &error), error);
-    s.law = haft_memory_alloc(s.model->sites, sizeof *s.law, &error);
-    for (size_t r = 0; r < s.model->sites; r++) {
+    s.law = haft_memory_alloc(haft_model_get(s.model)->sites, sizeof *s.law, &error);
+    for (size_t r = 0; r < haft_model_get(s.model)->sites; r++) {
         assert_int_equal(haft_law_morse(&s.law[r], &v, f_limit), HAFT_LAW_SOUND);
     }
     return s;
@@ -92,20 +92,20 @@ static void a_uniform_law_closes_and_opens_the_crack(void **state) {
 
 /* Loads and unloads; the way back is the way forth. */
 static void check_reversible(const scene *s, double limit, const char *what) {
+    const haft_model_data *m = haft_model_get(s->model);
     haft_path *path = follow(s, -1, limit);
     assert_int_equal(path->jumps, jumps_from_rest(path));
     assert_true(path->turned_by_load);
     haft_path_point first = path->point[0], end = path->point[path->points - 1];
     double work = path->point[path->turn].work;
     assert_true(end.dissipated == first.dissipated && end.load == 0);
-    print_message(
-        "  %s: %zu points, cycle closed to %.1e, gap at the tip %.3g nm at the turn\n", what,
-        path->points, fabs(end.work / work),
-        1e9 * (s->model->gap - haft_model_displacement(&s->model->site[s->model->sites - 1],
-                                                       path->state + path->turn * s->model->dofs)));
+    print_message("  %s: %zu points, cycle closed to %.1e, gap at the tip %.3g nm at the turn\n",
+                  what, path->points, fabs(end.work / work),
+                  1e9 * (m->gap - haft_model_displacement(&m->site[m->sites - 1],
+                                                          path->state + path->turn * m->dofs)));
     check_near(end.work / work, 0, 1e-10);
     check_near((end.internal_energy - first.internal_energy) / work, 0, 1e-10);
-    for (size_t i = 0; i < s->model->dofs; i++) {
+    for (size_t i = 0; i < m->dofs; i++) {
         check_near(path->final_state[i], path->state[i], 1e-9);
     }
     haft_path_destroy(&path);

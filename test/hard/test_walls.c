@@ -76,11 +76,11 @@ static void a_beam_does_not_feel_how_high_the_wall_is(void **state) {
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
+    haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, &error);
     for (double range = 4e-9; range > 0.9e-10; range /= 6) {
         haft_path *first = NULL;
         for (double wall = 1e9; wall < 2e12; wall *= 10) {
-            for (size_t r = 0; r < model->sites; r++) {
+            for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
                 double z[1];
                 haft_random_normals((haft_random_key){7, HAFT_RANDOM_TEST}, 0, r, 0, 1, z);
                 law[r] = steep_law(range * exp(0.1 * z[0]), 3e-3 / range, wall);
@@ -119,12 +119,12 @@ static void a_beam_pressed_deep_into_its_walls(void **state) {
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 300e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
+    haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, &error);
     for (double wall = 1e9; wall < 2e12; wall *= 1000) {
-        for (size_t r = 0; r < model->sites; r++) {
+        for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
             law[r] = steep_law(1e-9, 3e6, wall);
         }
-        double load = 100 * wall * model->site[0].area;
+        double load = 100 * wall * haft_model_get(model)->site[0].area;
         haft_programme programme = {-1, 0.01, load};
         haft_path_options options = {.keep_states = true};
         haft_path *path = NULL;
@@ -137,23 +137,24 @@ static void a_beam_pressed_deep_into_its_walls(void **state) {
         check_less(path->ledger_error, 1e-10);
         /* far below the wall under the load, and vertical equilibrium of the whole: what the sites
          * push, the load carries less the clamp's share, which its shape gives (EI w''' at 0) */
-        const double *u = path->state + path->turn * model->dofs;
+        const double *u = path->state + path->turn * haft_model_get(model)->dofs;
         double deepest = INFINITY, push = 0;
-        for (size_t r = 0; r < model->sites; r++) {
-            double d = BEAM.gap - haft_model_displacement(&model->site[r], u);
-            push += model->site[r].area * haft_law_evaluate(&law[r], d).force;
+        for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
+            double d = BEAM.gap - haft_model_displacement(&haft_model_get(model)->site[r], u);
+            push += haft_model_get(model)->site[r].area * haft_law_evaluate(&law[r], d).force;
             deepest = fmin(deepest, d - law[r].wall_distance);
         }
         assert_true(deepest < 0);
-        double w, slope, l = model->node_x[1];
+        double w, slope, l = haft_model_get(model)->node_x[1];
         haft_model_shape(model, u, l, &w, &slope);
         double shear = 0; /* EI w''' in the first element, less the sites' share that it carries */
         double ei = haft_beam_bending_stiffness(&BEAM);
         shear = -ei * (-12 * w + 6 * l * slope) / (l * l * l);
-        for (size_t r = 0; r < model->sites && model->site[r].x < l; r++) {
-            double xi = model->site[r].x / l;
-            double d = BEAM.gap - haft_model_displacement(&model->site[r], u);
-            double f = model->site[r].area * haft_law_evaluate(&law[r], d).force;
+        for (size_t r = 0; r < haft_model_get(model)->sites && haft_model_get(model)->site[r].x < l;
+             r++) {
+            double xi = haft_model_get(model)->site[r].x / l;
+            double d = BEAM.gap - haft_model_displacement(&haft_model_get(model)->site[r], u);
+            double f = haft_model_get(model)->site[r].area * haft_law_evaluate(&law[r], d).force;
             shear -= f * (1 - xi * xi * (3 - 2 * xi));
         }
         check_near((push + shear) / load, 1, 1e-6);

@@ -52,7 +52,8 @@ static void a_microjoule_lets_a_short_beam_go(void **state) {
     assert_true(end.load == 0 && path->jumps > 0 && end.dissipated > 0);
     check_near((end.work - end.dissipated) / work, 0, 1e-12);
     check_near(end.internal_energy / work, 0, 1e-12);
-    assert_true(end.crack_length == model->node_x[model->nodes - 1]);
+    assert_true(end.crack_length ==
+                haft_model_get(model)->node_x[haft_model_get(model)->nodes - 1]);
     check_less(path->ledger_error, 1e-10);
     print_message("  %zu jumps, lost %.3e of %.3e J, closed to %.1e of the loss\n", path->jumps,
                   end.dissipated, work, fabs(end.work / end.dissipated - 1));
@@ -140,12 +141,13 @@ static void a_tip_alone_sticks_by_closed_form(void **state) {
     enum { SITES = 20 };
     for (size_t p = 0; p < sizeof pull / sizeof *pull; p++) {
         haft_model *model = make_beam(&BEAM, 15e-6, 30e-6, 60e-6);
-        assert_int_equal(model->sites, SITES);
+        assert_int_equal(haft_model_get(model)->sites, SITES);
         haft_law law[SITES];
         for (size_t r = 0; r < SITES; r++) {
             law[r] = make_law(1e-3, 1e6, -1.0, -1.0 - 1e-9, 1e6);
         }
-        double range = 2e-9, area = model->site[SITES - 1].area, xs = model->site[SITES - 1].x;
+        double range = 2e-9, area = haft_model_get(model)->site[SITES - 1].area,
+               xs = haft_model_get(model)->site[SITES - 1].x;
         haft_law *tip = &law[SITES - 1];
         *tip = make_law(2 * pull[p] * range, pull[p], 9e-9, 6e-9, 5 * pull[p]);
         double k = 1 / compliance(xs, xs), c = k / (2 * area * pull[p] * tip->a_right);
@@ -164,7 +166,8 @@ static void a_tip_alone_sticks_by_closed_form(void **state) {
             check_relative(end.work, end.dissipated, 1e-9);
         } else {
             /* the beam hangs in an arc by the force at its end: w = F c(x, x_s) */
-            double w = haft_model_displacement(&model->site[SITES - 1], path->final_state);
+            double w =
+                haft_model_displacement(&haft_model_get(model)->site[SITES - 1], path->final_state);
             double force = w * k, d = BEAM.gap - w;
             check_relative(-area * haft_law_evaluate(tip, d).force, force, 1e-9);
             check_relative(end.internal_energy, 0.5 * force * w, 1e-9);
@@ -204,8 +207,8 @@ static void laws_that_are_nearly_nothing_only_perturb(void **state) {
         double f0 = 0, tip = 0, range = 0.5e-6;
         for (size_t r = 0; r < 100; r++) {
             law[r] = make_law(2 * pull * range, pull, 10e-9, -40e-9, 2 * pull);
-            f0 = model->site[r].area * haft_law_evaluate(&law[r], BEAM.gap).force;
-            tip -= f0 * compliance(597e-6, model->site[r].x);
+            f0 = haft_model_get(model)->site[r].area * haft_law_evaluate(&law[r], BEAM.gap).force;
+            tip -= f0 * compliance(597e-6, haft_model_get(model)->site[r].x);
         }
         haft_path *path = follow(model, law, -1, 1e-5);
         assert_int_equal(path->jumps, jumps_from_rest(path));
@@ -213,7 +216,7 @@ static void laws_that_are_nearly_nothing_only_perturb(void **state) {
         haft_path_point top = path->point[path->turn], end = path->point[path->points - 1];
         assert_true(end.dissipated == path->point[0].dissipated);
         check_near(end.work / top.work, 0, 1e-10);
-        double w = haft_model_displacement(&model->site[99], path->final_state);
+        double w = haft_model_displacement(&haft_model_get(model)->site[99], path->final_state);
         double miss = fabs(w / tip - 1);
         print_message("  pull %.0e Pa: tip at %.6e m, first order %.6e, off by %.1e; ledger %.1e\n",
                       pull, w, tip, miss, path->ledger_error);

@@ -5,9 +5,9 @@
 enum { MOST = 400 };
 
 static size_t count(const haft_model *model, const double *u, const double *reach) {
+    const haft_model_data *m = haft_model_get(model);
     size_t r = 0;
-    while (r < model->inert &&
-           model->gap - haft_model_displacement(&model->site[r], u) > reach[r]) {
+    while (r < m->inert && m->gap - haft_model_displacement(&m->site[r], u) > reach[r]) {
         r++;
     }
     return r;
@@ -21,20 +21,22 @@ static void counts_as_one_by_one(void **state) {
         haft_mesh_spec mesh = {HAFT_MESH_ACTIVE, 0, 3e-6, 60e-6, 1e-6 * from};
         random_beam b = random_beam_create(3, mesh);
         double u[MOST], reach[MOST];
-        for (size_t i = 0; i < b.model->dofs; i++) {
+        for (size_t i = 0; i < haft_model_get(b.model)->dofs; i++) {
             u[i] = 0.4 * sin(0.7 * (double)i);
         }
-        for (size_t touched = 0; touched <= b.model->inert; touched++) {
-            for (size_t r = 0; r < b.model->sites; r++) {
-                double d = b.model->gap - haft_model_displacement(&b.model->site[r], u);
+        for (size_t touched = 0; touched <= haft_model_get(b.model)->inert; touched++) {
+            for (size_t r = 0; r < haft_model_get(b.model)->sites; r++) {
+                double d = haft_model_get(b.model)->gap -
+                           haft_model_displacement(&haft_model_get(b.model)->site[r], u);
                 reach[r] = r == touched ? d : 0.999 * d; /* at it is not clear of it */
             }
             size_t clear = haft_model_clear_sites(b.model, u, reach);
             assert_int_equal(clear, touched);
             assert_int_equal(clear, count(b.model, u, reach));
         }
-        reach[b.model->inert / 2] = NAN;
-        assert_int_equal(haft_model_clear_sites(b.model, u, reach), b.model->inert / 2);
+        reach[haft_model_get(b.model)->inert / 2] = NAN;
+        assert_int_equal(haft_model_clear_sites(b.model, u, reach),
+                         haft_model_get(b.model)->inert / 2);
         random_beam_destroy(&b);
     }
 }

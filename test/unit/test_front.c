@@ -11,8 +11,8 @@ static const haft_mesh_spec MESHES[] = {
 
 /* A beam bent into contact, with gaps of all sizes about its laws' ranges, behind a free span. */
 static void bend(const haft_model *model, double wave, double *u) {
-    for (size_t i = 0; i < model->dofs; i++) {
-        double x = (double)(i / 2 + 1) / (double)model->dofs, y = fmin(40 * x, 1);
+    for (size_t i = 0; i < haft_model_get(model)->dofs; i++) {
+        double x = (double)(i / 2 + 1) / (double)haft_model_get(model)->dofs, y = fmin(40 * x, 1);
         u[i] = i % 2 == 0 ? 0.9937 * y * y * (3 - 2 * y) + 0.002 * sin(wave * x)
                           : 1e-4 * cos(wave * x);
     }
@@ -37,31 +37,34 @@ static void check_gain(double whole, double other_whole, double part, double oth
 
 /* Two states that differ in front alone: as the whole feels them, so does the front. */
 static void compare(const haft_model *model, const haft_law_rows *rows, size_t sites) {
-    size_t moving = 0;
-    haft_model front = haft_model_front(model, sites, &moving);
-    assert_true(front.sites >= sites && moving < model->dofs && front.dofs == moving + 2);
-    assert_true(model->site[sites - 1].dof[0] < (int)moving);
+    haft_error error = {0};
+    haft_model *front = NULL;
+    check_ok(haft_model_create_front(&front, &error), error);
+    size_t moving = haft_model_set_front(front, model, sites);
+    const haft_model_data *m = haft_model_get(model), *f = haft_model_get(front);
+    assert_true(f->sites >= sites && moving < m->dofs && f->dofs == moving + 2);
+    assert_true(m->site[sites - 1].dof[0] < (int)moving);
     double u[MOST], v[MOST];
     bend(model, 50, u);
     bend(model, 60, v);
-    memcpy(v + moving, u + moving, (model->dofs - moving) * sizeof *v);
+    memcpy(v + moving, u + moving, (m->dofs - moving) * sizeof *v);
     static felt whole, part, other_whole, other_part;
     feel(model, rows, u, &whole);
     feel(model, rows, v, &other_whole);
-    feel(&front, rows, u, &part);
-    feel(&front, rows, v, &other_part);
+    feel(front, rows, u, &part);
+    feel(front, rows, v, &other_part);
     assert_memory_equal(part.gradient, whole.gradient, moving * sizeof(double));
-    assert_memory_equal(part.hessian, whole.hessian,
-                        (size_t)model->column[moving] * sizeof(double));
-    assert_memory_equal(part.gap + model->inert, whole.gap + model->inert,
-                        (front.sites - model->inert) * sizeof(double));
+    assert_memory_equal(part.hessian, whole.hessian, (size_t)m->column[moving] * sizeof(double));
+    assert_memory_equal(part.gap + m->inert, whole.gap + m->inert,
+                        (f->sites - m->inert) * sizeof(double));
     check_gain(whole.energy.strain, other_whole.energy.strain, part.energy.strain,
                other_part.energy.strain);
     check_gain(whole.energy.contact, other_whole.energy.contact, part.energy.contact,
                other_part.energy.contact);
-    for (size_t r = front.sites; r < model->sites; r++) {
+    for (size_t r = f->sites; r < m->sites; r++) {
         assert_true(whole.gap[r] == other_whole.gap[r]); /* they did not move */
     }
+    haft_model_destroy_front(&front);
 }
 
 static void a_front_feels_what_the_whole_does(void **state) {
@@ -70,8 +73,9 @@ static void a_front_feels_what_the_whole_does(void **state) {
         random_beam b = random_beam_create(3, MESHES[k]);
         haft_law_rows *rows = NULL;
         haft_error error = {0};
-        check_ok(haft_law_rows_create(&rows, b.model->sites, b.law, &error), error);
-        for (size_t sites = b.model->inert + 1; sites < b.model->sites - 40; sites += 7) {
+        check_ok(haft_law_rows_create(&rows, haft_model_get(b.model)->sites, b.law, &error), error);
+        for (size_t sites = haft_model_get(b.model)->inert + 1;
+             sites < haft_model_get(b.model)->sites - 40; sites += 7) {
             compare(b.model, rows, sites);
         }
         haft_law_rows_destroy(&rows);
@@ -79,17 +83,17 @@ static void a_front_feels_what_the_whole_does(void **state) {
     }
 }
 
-/* Where nothing is left to hold the front is the whole, as it is of a structure that is no beam. */
+/* Where nothing is left to freeze, the front is the whole. */
 static void a_front_of_all_sites_is_the_whole(void **state) {
     (void)state;
     random_beam b = random_beam_create(3, MESHES[0]);
-    size_t moving = 0;
-    haft_model front = haft_model_front(b.model, b.model->sites, &moving);
-    assert_true(moving == b.model->dofs && front.dofs == moving && front.sites == b.model->sites);
-    haft_model no_beam = *b.model;
-    no_beam.nodes = 0;
-    front = haft_model_front(&no_beam, 20, &moving);
-    assert_true(moving == b.model->dofs && front.sites == b.model->sites);
+    haft_error error = {0};
+    haft_model *front = NULL;
+    check_ok(haft_model_create_front(&front, &error), error);
+    const haft_model_data *m = haft_model_get(b.model), *f = haft_model_get(front);
+    assert_true(haft_model_set_front(front, b.model, m->sites) == m->dofs);
+    assert_true(f->dofs == m->dofs && f->sites == m->sites);
+    haft_model_destroy_front(&front);
     random_beam_destroy(&b);
 }
 

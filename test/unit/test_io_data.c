@@ -136,7 +136,7 @@ typedef struct sample {
     haft_path_point point[5];
     haft_jump jump[2];
     double state[5 * 6];
-    haft_model model;
+    haft_model_data model;
     haft_site site[2];
     double node_x[4], scale[6];
     haft_law laws[2];
@@ -186,14 +186,14 @@ static void make_sample(sample *x, double seed) {
     for (int i = 0; i < 4; i++) {
         x->node_x[i] = 2e-4 * i;
     }
-    x->model = (haft_model){.dofs = 6,
-                            .scale = x->scale,
-                            .gap = 1.9e-6,
-                            .sites = 2,
-                            .site = x->site,
-                            .load = {.x = 6e-5},
-                            .nodes = 4,
-                            .node_x = x->node_x};
+    x->model = (haft_model_data){.dofs = 6,
+                                 .scale = x->scale,
+                                 .gap = 1.9e-6,
+                                 .sites = 2,
+                                 .site = x->site,
+                                 .load = {.x = 6e-5},
+                                 .nodes = 4,
+                                 .node_x = x->node_x};
     x->summary = (haft_summary){.crack_length = 2e-4 * seed,
                                 .loaded_crack_length = 1e-4,
                                 .gamma = 3e-5,

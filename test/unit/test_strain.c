@@ -12,8 +12,8 @@ typedef struct strained {
 /* Every element by itself, through its modes. */
 static void strain_each(const haft_model *m, const double *u, strained *out) {
     *out = (strained){0};
-    for (size_t e = 0; e < m->elements; e++) {
-        const haft_element *el = &m->element[e];
+    for (size_t e = 0; e < haft_model_get(m)->elements; e++) {
+        const haft_element *el = &haft_model_get(m)->element[e];
         double v[HAFT_SPAN], q[2], moment[2];
         for (int k = 0; k < HAFT_SPAN; k++) {
             v[k] = el->dof[k] < 0 ? 0 : u[el->dof[k]];
@@ -36,7 +36,7 @@ static void strain_each(const haft_model *m, const double *u, strained *out) {
 }
 
 static void bend(const haft_model *model, double *u) {
-    for (size_t i = 0; i < model->dofs; i++) {
+    for (size_t i = 0; i < haft_model_get(model)->dofs; i++) {
         u[i] = sin(0.37 * (double)(i * i));
     }
 }
@@ -56,7 +56,7 @@ static void runs_give_the_forces_of_each_element(void **state) {
         strained each;
         strain_each(model, u, &each);
         haft_model_multiply(model, none, u, y);
-        assert_memory_equal(y, each.gradient, model->dofs * sizeof *y);
+        assert_memory_equal(y, each.gradient, haft_model_get(model)->dofs * sizeof *y);
         haft_model_destroy(&model);
     }
 }
@@ -69,7 +69,7 @@ static void their_energy_and_greatest_force_are_each_elements(void **state) {
                                             {HAFT_MESH_ACTIVE, 0, 3e-6, 61e-6, 120e-6}};
     for (size_t k = 0; k < sizeof meshes / sizeof *meshes; k++) {
         random_beam b = random_beam_create(1, meshes[k]);
-        for (size_t r = 0; r < b.model->sites; r++) {
+        for (size_t r = 0; r < haft_model_get(b.model)->sites; r++) {
             b.law[r] = nothing();
         }
         double u[MOST], gradient[MOST], largest = 0;
@@ -77,8 +77,9 @@ static void their_energy_and_greatest_force_are_each_elements(void **state) {
         strained each;
         strain_each(b.model, u, &each);
         haft_energy energy = evaluate(b.model, b.law, u, 0, gradient, NULL, &largest);
-        check_relative(energy.strain, each.energy * b.model->energy_unit, 1e-14);
-        assert_memory_equal(gradient, each.gradient, b.model->dofs * sizeof *gradient);
+        check_relative(energy.strain, each.energy * haft_model_get(b.model)->energy_unit, 1e-14);
+        assert_memory_equal(gradient, each.gradient,
+                            haft_model_get(b.model)->dofs * sizeof *gradient);
         assert_true(largest == each.largest);
         random_beam_destroy(&b);
     }

@@ -137,23 +137,24 @@ static void print_cycles(const family *f) {
 
 /* Newton with KLU, undamped: it starts next to where it ends. */
 static void settle(const haft_model *m, const haft_law *law, double *u) {
+    const haft_model_data *data = haft_model_get(m);
     haft_error error = {0};
-    double *gradient = haft_memory_alloc(m->dofs, sizeof *gradient, &error);
-    double *hessian = haft_memory_alloc(m->nonzeros, sizeof *hessian, &error);
+    double *gradient = haft_memory_alloc(data->dofs, sizeof *gradient, &error);
+    double *hessian = haft_memory_alloc(data->nonzeros, sizeof *hessian, &error);
     klu_common common;
     klu_defaults(&common);
-    klu_symbolic *symbolic = klu_analyze((int)m->dofs, m->column, m->row, &common);
+    klu_symbolic *symbolic = klu_analyze((int)data->dofs, data->column, data->row, &common);
     assert_true(gradient != NULL && hessian != NULL && symbolic != NULL);
     double step = INFINITY;
     for (int i = 0; i < 40 && step > 1e-14; i++) {
         evaluate(m, law, u, 0, gradient, hessian, NULL);
-        klu_numeric *numeric = klu_factor(m->column, m->row, hessian, symbolic, &common);
+        klu_numeric *numeric = klu_factor(data->column, data->row, hessian, symbolic, &common);
         assert_non_null(numeric);
-        assert_true(klu_solve(symbolic, numeric, (int)m->dofs, 1, gradient, &common));
+        assert_true(klu_solve(symbolic, numeric, (int)data->dofs, 1, gradient, &common));
         klu_free_numeric(&numeric, &common);
         double last = step;
         step = 0;
-        for (size_t k = 0; k < m->dofs; k++) {
+        for (size_t k = 0; k < data->dofs; k++) {
             u[k] -= gradient[k];
             step = fmax(step, fabs(gradient[k]));
         }
@@ -169,14 +170,15 @@ static void settle(const haft_model *m, const haft_law *law, double *u) {
 
 /* The state of one mesh as the unknowns of another. */
 static double *carry_over(const haft_model *to, const haft_model *from, const double *u) {
+    const haft_model_data *m = haft_model_get(to);
     haft_error error = {0};
-    double *v = haft_memory_alloc(to->dofs, sizeof *v, &error);
+    double *v = haft_memory_alloc(m->dofs, sizeof *v, &error);
     assert_non_null(v);
-    for (size_t i = 1; i < to->nodes; i++) {
+    for (size_t i = 1; i < m->nodes; i++) {
         double w, rotation;
-        haft_model_shape(from, u, to->node_x[i], &w, &rotation);
-        v[2 * (i - 1)] = w / to->scale[2 * (i - 1)];
-        v[2 * (i - 1) + 1] = rotation / to->scale[2 * (i - 1) + 1];
+        haft_model_shape(from, u, m->node_x[i], &w, &rotation);
+        v[2 * (i - 1)] = w / m->scale[2 * (i - 1)];
+        v[2 * (i - 1) + 1] = rotation / m->scale[2 * (i - 1) + 1];
     }
     return v;
 }
@@ -193,15 +195,16 @@ static double clamped(double l, double a, double x) {
 /* 1/2 sum_e F' G_e F with the forces of the exact state. */
 static double predict(const family *f, const haft_model *exact, const haft_law *law,
                       const double *u, double l) {
+    const haft_model_data *m = haft_model_get(exact);
     double sum = 0, half = 0.5 / haft_beam_bending_stiffness(&f->beam);
-    for (size_t r = 0; r < exact->sites; r++) {
-        double first = floor(exact->site[r].x / l + 1e-9) * l;
-        for (size_t s = 0; s < exact->sites; s++) {
-            double a = exact->site[r].x - first, b = exact->site[s].x - first;
+    for (size_t r = 0; r < m->sites; r++) {
+        double first = floor(m->site[r].x / l + 1e-9) * l;
+        for (size_t s = 0; s < m->sites; s++) {
+            double a = m->site[r].x - first, b = m->site[s].x - first;
             if (b > 0 && b < l) {
-                const haft_site *p = &exact->site[r], *q = &exact->site[s];
-                double d = exact->gap - haft_model_displacement(p, u);
-                double e = exact->gap - haft_model_displacement(q, u);
+                const haft_site *p = &m->site[r], *q = &m->site[s];
+                double d = m->gap - haft_model_displacement(p, u);
+                double e = m->gap - haft_model_displacement(q, u);
                 sum += half * p->area * haft_law_evaluate(&law[r], d).force * q->area *
                        haft_law_evaluate(&law[s], e).force * clamped(l, a, b);
             }
@@ -236,9 +239,9 @@ static void measure_branch(const family *f, size_t beam, excess *out) {
         out[i].total = (strain + (here.contact - rest.contact)) / rest.strain;
         out[i].predicted = predict(f, exact, law, u, branch_lengths[i]) / rest.strain;
         out[i].moved = 0;
-        for (size_t r = 0; r < exact->sites; r++) {
-            double move = haft_model_displacement(&model->site[r], v) -
-                          haft_model_displacement(&exact->site[r], u);
+        for (size_t r = 0; r < haft_model_get(exact)->sites; r++) {
+            double move = haft_model_displacement(&haft_model_get(model)->site[r], v) -
+                          haft_model_displacement(&haft_model_get(exact)->site[r], u);
             out[i].moved = fmax(out[i].moved, fabs(move));
         }
         haft_memory_free(v);

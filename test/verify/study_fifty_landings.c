@@ -15,21 +15,22 @@ static void fifty_beams_land_where_cvode_does(void **state) {
 
 /* Drag by M's diagonal alone, and by K (dashpots in the beam itself) with a little of M. */
 static void put_drag(haft_model *model, int kind) {
+    const haft_model_data *m = haft_model_get(model);
     double mass = 0, stiffness = 0;
-    for (size_t j = 0; j < model->dofs; j++) {
-        for (int k = model->column[j]; k < model->column[j + 1]; k++) {
-            if (model->row[k] == (int)j) {
-                mass = fmax(mass, model->mass[k]);
-                stiffness = fmax(stiffness, model->stiffness[k]);
+    for (size_t j = 0; j < m->dofs; j++) {
+        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
+            if (m->row[k] == (int)j) {
+                mass = fmax(mass, m->mass[k]);
+                stiffness = fmax(stiffness, m->stiffness[k]);
             }
         }
     }
-    for (size_t j = 0; j < model->dofs; j++) {
-        for (int k = model->column[j]; k < model->column[j + 1]; k++) {
+    for (size_t j = 0; j < m->dofs; j++) {
+        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
             if (kind == 1) {
-                model->mass[k] = model->row[k] == (int)j ? model->mass[k] : 0;
+                m->mass[k] = m->row[k] == (int)j ? m->mass[k] : 0;
             } else if (kind == 2) {
-                model->mass[k] = 1e-3 * model->mass[k] + mass / stiffness * model->stiffness[k];
+                m->mass[k] = 1e-3 * m->mass[k] + mass / stiffness * m->stiffness[k];
             }
         }
     }

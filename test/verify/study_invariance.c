@@ -40,7 +40,7 @@ static void all_ways_agree(void **state) {
                 double miss = fabs(other->jump[j].load / path->jump[j].load - 1);
                 worst_load[k] = fmax(worst_load[k], miss);
             }
-            for (size_t i = 0; i < b.model->dofs; i++) {
+            for (size_t i = 0; i < haft_model_get(b.model)->dofs; i++) {
                 double miss = fabs(other->final_state[i] - path->final_state[i]);
                 worst_end[k] = fmax(worst_end[k], miss);
             }

@@ -11,7 +11,7 @@ static random_beam make(uint64_t seed, double length, haft_mesh_kind kind, doubl
     random_beam b = {NULL, NULL};
     haft_error error = {0};
     check_ok(haft_model_create_beam(&b.model, &beam, &mesh, &error), error);
-    b.law = haft_memory_alloc(b.model->sites, sizeof *b.law, &error);
+    b.law = haft_memory_alloc(haft_model_get(b.model)->sites, sizeof *b.law, &error);
     random_beam_laws(b.model, seed, b.law);
     return b;
 }
@@ -19,11 +19,11 @@ static random_beam make(uint64_t seed, double length, haft_mesh_kind kind, doubl
 static void the_active_mesh_has_the_nodes_it_needs(void **state) {
     (void)state;
     random_beam b = make(1, 600e-6, HAFT_MESH_ACTIVE, 75e-6);
-    assert_int_equal(b.model->sites, 200);
-    assert_int_equal(b.model->inert, 25);              /* 1.5, 4.5, ..., 73.5 um */
-    assert_int_equal(b.model->nodes, 1 + 1 + 175 + 1); /* clamp, load, sites, end */
-    check_near(b.model->node_x[1], 60e-6, 1e-18);
-    check_near(b.model->node_x[2], 76.5e-6, 1e-18);
+    assert_int_equal(haft_model_get(b.model)->sites, 200);
+    assert_int_equal(haft_model_get(b.model)->inert, 25);              /* 1.5, 4.5, ..., 73.5 um */
+    assert_int_equal(haft_model_get(b.model)->nodes, 1 + 1 + 175 + 1); /* clamp, load, sites, end */
+    check_near(haft_model_get(b.model)->node_x[1], 60e-6, 1e-18);
+    check_near(haft_model_get(b.model)->node_x[2], 76.5e-6, 1e-18);
     random_beam_destroy(&b);
 }
 
@@ -45,9 +45,11 @@ static void the_active_mesh_gives_what_the_exact_one_gives(void **state) {
             assert_int_equal(p->jump[j].site, q->jump[j].site);
             worst_load = fmax(worst_load, fabs(q->jump[j].load - p->jump[j].load) / peak);
         }
-        for (size_t r = 0; r < whole.model->sites; r++) { /* the inert ones too: shape is exact */
-            double miss = haft_model_displacement(&whole.model->site[r], p->final_state) -
-                          haft_model_displacement(&part.model->site[r], q->final_state);
+        for (size_t r = 0; r < haft_model_get(whole.model)->sites;
+             r++) { /* the inert ones too: shape is exact */
+            double miss =
+                haft_model_displacement(&haft_model_get(whole.model)->site[r], p->final_state) -
+                haft_model_displacement(&haft_model_get(part.model)->site[r], q->final_state);
             worst_gap = fmax(worst_gap, fabs(miss));
         }
         haft_path_destroy(&p);
@@ -64,18 +66,19 @@ static void the_active_mesh_gives_what_the_exact_one_gives(void **state) {
 static double distance_between(const haft_model *a, const double *u, const haft_model *b,
                                const double *v) {
     double most = 0;
-    for (size_t r = 0; r < a->sites; r++) {
-        most = fmax(most, fabs(haft_model_displacement(&a->site[r], u) -
-                               haft_model_displacement(&b->site[r], v)));
+    for (size_t r = 0; r < haft_model_get(a)->sites; r++) {
+        most = fmax(most, fabs(haft_model_displacement(&haft_model_get(a)->site[r], u) -
+                               haft_model_displacement(&haft_model_get(b)->site[r], v)));
     }
     return most;
 }
 
 /* How many sites from the first on are where their laws are nil. */
 static size_t clear_sites(const haft_model *m, const haft_law *law, const double *u) {
+    const haft_model_data *data = haft_model_get(m);
     size_t r = 0;
-    while (r < m->sites &&
-           m->gap - haft_model_displacement(&m->site[r], u) > haft_law_reach(&law[r], 1e-16)) {
+    while (r < data->sites && data->gap - haft_model_displacement(&data->site[r], u) >
+                                  haft_law_reach(&law[r], 1e-16)) {
         r++;
     }
     return r;
@@ -87,12 +90,13 @@ typedef struct balance {
 } balance;
 
 static balance weigh(const random_beam *b, const haft_model *m, const double *u, double load) {
+    const haft_model_data *data = haft_model_get(m);
     haft_error error = {0};
     haft_law_rows *rows = NULL;
-    check_ok(haft_law_rows_create(&rows, m->sites, b->law, &error), error);
-    double *gradient = haft_memory_alloc(m->dofs, sizeof *gradient, &error), scale = 0;
+    check_ok(haft_law_rows_create(&rows, data->sites, b->law, &error), error);
+    double *gradient = haft_memory_alloc(data->dofs, sizeof *gradient, &error), scale = 0;
     balance x = {haft_model_evaluate(m, rows, u, load, gradient, NULL, &scale, NULL, NULL), 0};
-    for (size_t i = 0; i < m->dofs; i++) {
+    for (size_t i = 0; i < data->dofs; i++) {
         x.residual = fmax(x.residual, fabs(gradient[i]) / scale);
     }
     haft_law_rows_destroy(&rows);
@@ -108,15 +112,15 @@ static void states_are_the_same_on_shorter_meshes(void **state) {
     random_beam part = make(1, 600e-6, HAFT_MESH_ACTIVE, 75e-6);
     haft_path *p = random_beam_cycle(&whole, (haft_path_options){.keep_states = true});
     haft_error error = {0};
-    double *u = haft_memory_alloc(whole.model->dofs, sizeof *u, &error);
-    double *back = haft_memory_alloc(whole.model->dofs, sizeof *back, &error);
+    double *u = haft_memory_alloc(haft_model_get(whole.model)->dofs, sizeof *u, &error);
+    double *back = haft_memory_alloc(haft_model_get(whole.model)->dofs, sizeof *back, &error);
     double way = 0, returned = 0, energy = 0, residual = 0;
     size_t compared = 0, meshes = 0;
-    for (const haft_model *m = part.model; m != NULL; m = m->shorter, meshes++) {
-        assert_int_equal(m->sites, 200);
+    for (const haft_model *m = part.model; m != NULL; m = haft_model_shorter(m), meshes++) {
+        assert_int_equal(haft_model_get(m)->sites, 200);
         for (size_t i = 0; i < p->points; i += 2) {
-            const double *v = p->state + i * whole.model->dofs;
-            if (clear_sites(whole.model, whole.law, v) < m->inert) {
+            const double *v = p->state + i * haft_model_get(whole.model)->dofs;
+            if (clear_sites(whole.model, whole.law, v) < haft_model_get(m)->inert) {
                 continue;
             }
             haft_model_carry(whole.model, m, v, u);
@@ -157,7 +161,7 @@ static void no_force_is_missed_on_the_way(void **state) {
         double share = pow(0.03, k), residual = 0;
         random_beam whole = make(7, 1200e-6, HAFT_MESH_EXACT, 0);
         random_beam part = make(7, 1200e-6, HAFT_MESH_ACTIVE, 75e-6);
-        for (size_t r = 0; r < part.model->sites; r++) {
+        for (size_t r = 0; r < haft_model_get(part.model)->sites; r++) {
             haft_law_vector v = haft_law_morse_vector(&part.law[r]);
             v.e *= share;
             v.f_max *= share;
@@ -168,9 +172,10 @@ static void no_force_is_missed_on_the_way(void **state) {
         haft_path *q = random_beam_cycle(&whole, (haft_path_options){0});
         haft_path *all = random_beam_cycle(&part, (haft_path_options){.whole_mesh = true});
         haft_error error = {0};
-        double *u = haft_memory_alloc(whole.model->dofs, sizeof *u, &error);
+        double *u = haft_memory_alloc(haft_model_get(whole.model)->dofs, sizeof *u, &error);
         for (size_t i = 0; i < p->points; i++) {
-            haft_model_carry(part.model, whole.model, p->state + i * part.model->dofs, u);
+            haft_model_carry(part.model, whole.model,
+                             p->state + i * haft_model_get(part.model)->dofs, u);
             residual = fmax(residual, weigh(&whole, whole.model, u, p->point[i].load).residual);
         }
         double used = (double)p->cost.unknowns / (double)p->cost.factorizations;
@@ -178,7 +183,7 @@ static void no_force_is_missed_on_the_way(void **state) {
                       "%.1e, %.0f unknowns of %zu in use\n",
                       share, p->points, p->jumps, haft_outcome_name(p->outcome),
                       1e6 * p->point[p->points - 1].crack_length, residual, used,
-                      whole.model->dofs);
+                      haft_model_get(whole.model)->dofs);
         assert_int_equal(p->outcome, q->outcome);
         assert_int_equal(p->jumps, q->jumps);
         check_near(p->point[p->points - 1].crack_length, q->point[q->points - 1].crack_length,
@@ -186,9 +191,10 @@ static void no_force_is_missed_on_the_way(void **state) {
         assert_int_equal(p->jumps, all->jumps);
         check_near(p->point[p->points - 1].crack_length, all->point[all->points - 1].crack_length,
                    1e-12);
-        assert_int_equal(all->cost.unknowns, all->cost.factorizations * part.model->dofs);
+        assert_int_equal(all->cost.unknowns,
+                         all->cost.factorizations * haft_model_get(part.model)->dofs);
         check_less(residual, 1e-8);
-        check_less(used, 0.8 * (double)whole.model->dofs);
+        check_less(used, 0.8 * (double)haft_model_get(whole.model)->dofs);
         haft_memory_free(u);
         haft_path_destroy(&p);
         haft_path_destroy(&q);

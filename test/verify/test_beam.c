@@ -17,8 +17,8 @@ static solved load_beam(const haft_mesh_spec *mesh, double load) {
     solved s = {0};
     haft_error error = {0};
     check_ok(haft_model_create_beam(&s.model, &BEAM, mesh, &error), error);
-    s.law = haft_memory_alloc(s.model->sites, sizeof *s.law, &error);
-    for (size_t r = 0; r < s.model->sites; r++) {
+    s.law = haft_memory_alloc(haft_model_get(s.model)->sites, sizeof *s.law, &error);
+    for (size_t r = 0; r < haft_model_get(s.model)->sites; r++) {
         s.law[r] = nothing();
     }
     haft_programme programme = {1e-9, 0.01, load};
@@ -26,7 +26,7 @@ static solved load_beam(const haft_mesh_spec *mesh, double load) {
     check_ok(haft_solve_path(&s.path, s.model, s.law, &programme, &options, &error), error);
     assert_int_equal(s.path->outcome, HAFT_OUTCOME_FREE);
     assert_true(s.path->turned_by_load);
-    s.u = s.path->state + s.path->turn * s.model->dofs;
+    s.u = s.path->state + s.path->turn * haft_model_get(s.model)->dofs;
     return s;
 }
 
@@ -60,8 +60,8 @@ static void a_point_load_gives_the_exact_shape(void **state) {
         solved s = load_beam(&mesh, load);
         const double *u = s.u;
         /* Hermite elements are exact at their nodes for any load */
-        for (size_t k = 1; k < s.model->nodes; k++) {
-            double x = s.model->node_x[k], w, slope;
+        for (size_t k = 1; k < haft_model_get(s.model)->nodes; k++) {
+            double x = haft_model_get(s.model)->node_x[k], w, slope;
             haft_model_shape(s.model, u, x, &w, &slope);
             check_relative(w, exact_deflection(load, cases[c].position, x), 1e-12);
         }
@@ -93,9 +93,9 @@ static void patches_of_uniform_pressure_reach_the_uniform_load(void **state) {
         haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 120e-6, l / sites, l, 0};
         solved s = load_beam(&mesh, 1e-8);
         double sum = 0; /* Betti: the tip under pressure is the work of the shape of a tip load */
-        for (size_t r = 0; r < s.model->sites; r++) {
-            sum += q * s.model->site[r].area / BEAM.width *
-                   haft_model_displacement(&s.model->site[r], s.u) / 1e-8;
+        for (size_t r = 0; r < haft_model_get(s.model)->sites; r++) {
+            sum += q * haft_model_get(s.model)->site[r].area / BEAM.width *
+                   haft_model_displacement(&haft_model_get(s.model)->site[r], s.u) / 1e-8;
         }
         check_relative(sum, tip, 1e-12);
         double miss = fabs(sum / (q * l * l * l * l / (8 * ei)) - 1);
@@ -114,12 +114,12 @@ static void derivatives_follow_the_energy(void **state) {
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 150e-6, 30e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    size_t n = model->dofs;
+    size_t n = haft_model_get(model)->dofs;
     double *u = haft_memory_alloc(n, sizeof *u, &error);
     double *g = haft_memory_alloc(3 * n, sizeof *g, &error);
-    double *h = haft_memory_alloc(model->nonzeros, sizeof *h, &error);
-    haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
-    for (size_t r = 0; r < model->sites; r++) {
+    double *h = haft_memory_alloc(haft_model_get(model)->nonzeros, sizeof *h, &error);
+    haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, &error);
+    for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
         haft_law_vector v = {0.3, 1e5, 1.2e-6, 0.8e-6}; /* wide: its range is the beam's own */
         assert_int_equal(haft_law_morse(&law[r], &v, 1e5), HAFT_LAW_SOUND);
     }
@@ -138,13 +138,15 @@ static void derivatives_follow_the_energy(void **state) {
         for (int side = 0; side < 2; side++) {
             u[j] = keep + (side ? step : -step);
             haft_energy e = evaluate(model, law, u, load, g + (size_t)(1 + side) * n, NULL, NULL);
-            pi[side] = (e.strain + e.contact - load * haft_model_displacement(&model->load, u)) /
-                       model->energy_unit;
+            pi[side] = (e.strain + e.contact -
+                        load * haft_model_displacement(&haft_model_get(model)->load, u)) /
+                       haft_model_get(model)->energy_unit;
         }
         u[j] = keep;
         check_near((pi[1] - pi[0]) / (2 * step), g[j], 1e-7 * scale);
-        for (int k = model->column[j]; k < model->column[j + 1]; k++) {
-            size_t i = (size_t)model->row[k];
+        for (int k = haft_model_get(model)->column[j]; k < haft_model_get(model)->column[j + 1];
+             k++) {
+            size_t i = (size_t)haft_model_get(model)->row[k];
             double difference = (g[2 * n + i] - g[n + i]) / (2 * step);
             check_near(difference, h[k], 1e-7 * (fabs(h[k]) + scale));
         }
@@ -160,17 +162,19 @@ static void the_mass_matrix_integrates_squares(void **state) {
     haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 50e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    size_t n = model->dofs;
+    size_t n = haft_model_get(model)->dofs;
     double *u = haft_memory_alloc(n, sizeof *u, &error);
-    for (size_t k = 1; k < model->nodes; k++) { /* w = gap x^2/L^2 */
-        double s = model->node_x[k] / BEAM.length;
+    for (size_t k = 1; k < haft_model_get(model)->nodes; k++) { /* w = gap x^2/L^2 */
+        double s = haft_model_get(model)->node_x[k] / BEAM.length;
         u[2 * (k - 1)] = s * s;
-        u[2 * (k - 1) + 1] = 2 * s / BEAM.length * BEAM.gap / model->scale[2 * (k - 1) + 1];
+        u[2 * (k - 1) + 1] =
+            2 * s / BEAM.length * BEAM.gap / haft_model_get(model)->scale[2 * (k - 1) + 1];
     }
     double sum = 0;
     for (size_t j = 0; j < n; j++) {
-        for (int k = model->column[j]; k < model->column[j + 1]; k++) {
-            sum += u[model->row[k]] * model->mass[k] * u[j];
+        for (int k = haft_model_get(model)->column[j]; k < haft_model_get(model)->column[j + 1];
+             k++) {
+            sum += u[haft_model_get(model)->row[k]] * haft_model_get(model)->mass[k] * u[j];
         }
     }
     check_relative(sum, 1.0 / 5, 1e-13);
@@ -188,15 +192,17 @@ static void the_crack_tip_is_found_in_the_shape(void **state) {
         check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
         const double felt = 13e-9;
         double reach[100];
-        for (size_t r = 0; r < model->sites; r++) {
+        for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
             reach[r] = felt;
         }
-        double *u = haft_memory_alloc(model->dofs, sizeof *u, &error);
+        double *u = haft_memory_alloc(haft_model_get(model)->dofs, sizeof *u, &error);
         check_near(haft_model_crack_length(model, reach, u), BEAM.length, 0);
-        for (size_t k = 1; k < model->nodes; k++) { /* w = gap (x/L)^3: cubic, so exact */
-            double s = model->node_x[k] / BEAM.length;
+        for (size_t k = 1; k < haft_model_get(model)->nodes;
+             k++) { /* w = gap (x/L)^3: cubic, so exact */
+            double s = haft_model_get(model)->node_x[k] / BEAM.length;
             u[2 * (k - 1)] = s * s * s;
-            u[2 * (k - 1) + 1] = 3 * s * s / BEAM.length * BEAM.gap / model->scale[2 * (k - 1) + 1];
+            u[2 * (k - 1) + 1] =
+                3 * s * s / BEAM.length * BEAM.gap / haft_model_get(model)->scale[2 * (k - 1) + 1];
         }
         double expected = BEAM.length * cbrt(1 - felt / BEAM.gap);
         check_relative(haft_model_crack_length(model, reach, u), expected, 1e-12);
@@ -244,26 +250,27 @@ static void sites_together_are_as_site_by_site(void **state) {
         haft_mesh_spec mesh = {(haft_mesh_kind)kind, 75e-6, 6e-6, 60e-6, 99e-6};
         haft_model *m = NULL;
         check_ok(haft_model_create_beam(&m, &BEAM, &mesh, &error), error);
-        double *u = haft_memory_alloc(m->dofs, sizeof *u, &error);
-        double *w = haft_memory_alloc(m->sites, sizeof *w, &error);
-        double *force = haft_memory_alloc(m->sites, sizeof *force, &error);
-        double *sum = haft_memory_alloc(m->dofs, sizeof *sum, &error);
-        double *expected = haft_memory_alloc(m->dofs, sizeof *expected, &error);
-        for (size_t i = 0; i < m->dofs; i++) {
+        double *u = haft_memory_alloc(haft_model_get(m)->dofs, sizeof *u, &error);
+        double *w = haft_memory_alloc(haft_model_get(m)->sites, sizeof *w, &error);
+        double *force = haft_memory_alloc(haft_model_get(m)->sites, sizeof *force, &error);
+        double *sum = haft_memory_alloc(haft_model_get(m)->dofs, sizeof *sum, &error);
+        double *expected = haft_memory_alloc(haft_model_get(m)->dofs, sizeof *expected, &error);
+        for (size_t i = 0; i < haft_model_get(m)->dofs; i++) {
             u[i] = sin(3.7 * (double)i + 1);
             sum[i] = expected[i] = (double)i;
         }
         haft_model_displacements(m, u, w);
-        for (size_t r = m->inert; r < m->sites; r++) {
-            assert_true(w[r] == haft_model_displacement(&m->site[r], u));
+        for (size_t r = haft_model_get(m)->inert; r < haft_model_get(m)->sites; r++) {
+            assert_true(w[r] == haft_model_displacement(&haft_model_get(m)->site[r], u));
             force[r] = 1e6 * cos(2.3 * (double)r);
-            for (int k = 0; k < m->site[r].terms; k++) {
-                expected[m->site[r].dof[k]] += force[r] * m->site[r].shape[k];
+            for (int k = 0; k < haft_model_get(m)->site[r].terms; k++) {
+                expected[haft_model_get(m)->site[r].dof[k]] +=
+                    force[r] * haft_model_get(m)->site[r].shape[k];
             }
         }
         haft_model_add_forces(m, force, sum);
-        for (size_t i = 0; i < m->dofs; i++) {
-            check_near(sum[i], expected[i], 1e-14 * (double)m->dofs);
+        for (size_t i = 0; i < haft_model_get(m)->dofs; i++) {
+            check_near(sum[i], expected[i], 1e-14 * (double)haft_model_get(m)->dofs);
         }
         haft_memory_free(u), haft_memory_free(w), haft_memory_free(force);
         haft_memory_free(sum), haft_memory_free(expected);

@@ -93,7 +93,7 @@ static void check_chain(int surface, const char *asperities, const char *law) {
         assert_int_equal(path->jump[j].site, fine->jump[j].site);
         check_relative(path->jump[j].load, fine->jump[j].load, 1e-8);
     }
-    for (size_t i = 0; i < model->dofs; i++) {
+    for (size_t i = 0; i < haft_model_get(model)->dofs; i++) {
         check_near(path->final_state[i], fine->final_state[i], 1e-7);
     }
     print_message("  surface %d, %s, %s: %zu unfit, %zu jumps, crack %.1f um\n", surface,

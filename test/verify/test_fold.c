@@ -21,8 +21,8 @@ typedef struct scene {
 
 static void assemble(scene *s) {
     memset(s->k, 0, sizeof s->k);
-    for (size_t e = 0; e < s->model->elements; e++) {
-        const haft_element *el = &s->model->element[e];
+    for (size_t e = 0; e < haft_model_get(s->model)->elements; e++) {
+        const haft_element *el = &haft_model_get(s->model)->element[e];
         for (int i = 0; i < HAFT_SPAN; i++) {
             for (int j = 0; j < HAFT_SPAN; j++) {
                 if (el->dof[i] < 0 || el->dof[j] < 0) {
@@ -42,8 +42,8 @@ static void make_scene(scene *s, uint64_t seed) {
     haft_error error = {0};
     haft_mesh_spec mesh = {HAFT_MESH_UNIFORM, 30e-6, 6e-6, 60e-6, 0};
     check_ok(haft_model_create_beam(&s->model, &BEAM, &mesh, &error), error);
-    assert_int_equal(s->model->dofs, N);
-    assert_int_equal(s->model->sites, MESO);
+    assert_int_equal(haft_model_get(s->model)->dofs, N);
+    assert_int_equal(haft_model_get(s->model)->sites, MESO);
     for (size_t r = 0; r < MESO; r++) {
         double z[4];
         haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 0, r, 0, 4, z);
@@ -89,7 +89,7 @@ typedef struct system {
 
 static void evaluate(const scene *s, const long double *u, const long double *v, long double load,
                      system_t *out) {
-    const haft_model *m = s->model;
+    const haft_model_data *m = haft_model_get(s->model);
     memset(out, 0, sizeof *out);
     memcpy(out->h, s->k, sizeof out->h);
     for (int k = 0; k < HAFT_SPAN; k++) {

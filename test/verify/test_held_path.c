@@ -19,7 +19,8 @@ static haft_path *follow(const haft_model *model, const haft_law *law, bool whol
 
 /* Unknowns a factorization, as a share of all. */
 static double moving(const haft_path *path, const haft_model *model) {
-    return (double)path->cost.unknowns / ((double)path->cost.factorizations * (double)model->dofs);
+    return (double)path->cost.unknowns /
+           ((double)path->cost.factorizations * (double)haft_model_get(model)->dofs);
 }
 
 typedef struct misses {
@@ -55,13 +56,13 @@ static void holding_changes_nothing(void **state) {
         double most = 0;
         haft_model *model = NULL;
         check_ok(haft_model_create_beam(&model, &LONG_BEAM, &meshes[kind], &error), error);
-        haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
+        haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, &error);
         for (uint64_t seed = 61; seed <= 64; seed++) {
             random_beam_laws(model, seed, law);
             haft_path *held = follow(model, law, false), *whole = follow(model, law, true);
             check_near(moving(whole, model), 1, 1e-15);
             most = fmax(most, moving(held, model));
-            compare(held, whole, model->dofs, &worst);
+            compare(held, whole, haft_model_get(model)->dofs, &worst);
             jumps += held->jumps;
             haft_path_destroy(&held);
             haft_path_destroy(&whole);

@@ -21,8 +21,8 @@ static scene make_scene(uint64_t seed, haft_mesh_kind kind) {
     haft_error error = {0};
     haft_mesh_spec mesh = {kind, 15e-6, 3e-6, 60e-6, 0};
     check_ok(haft_model_create_beam(&s.model, &BEAM, &mesh, &error), error);
-    s.law = haft_memory_alloc(s.model->sites, sizeof *s.law, &error);
-    for (size_t r = 0; r < s.model->sites; r++) {
+    s.law = haft_memory_alloc(haft_model_get(s.model)->sites, sizeof *s.law, &error);
+    for (size_t r = 0; r < haft_model_get(s.model)->sites; r++) {
         double z[4];
         haft_random_normals((haft_random_key){seed, HAFT_RANDOM_TEST}, 0, r, 0, 4, z);
         double d_max = 9.5e-9 + 0.35e-9 * z[2];
@@ -48,17 +48,18 @@ static haft_path *cycle(const scene *s, haft_path_options options) {
 
 /* GSL's dense Cholesky fails on anything but a positive definite matrix. */
 static bool is_definite(const scene *s, const double *u, double load, double *defect) {
-    size_t n = s->model->dofs;
+    const haft_model_data *m = haft_model_get(s->model);
+    size_t n = m->dofs;
     double *g = haft_memory_alloc(n, sizeof *g, NULL);
-    double *h = haft_memory_alloc(s->model->nonzeros, sizeof *h, NULL);
+    double *h = haft_memory_alloc(m->nonzeros, sizeof *h, NULL);
     double force = 0;
     evaluate(s->model, s->law, u, load, g, h, &force);
     gsl_matrix *dense = gsl_matrix_calloc(n, n);
     *defect = 0;
     for (size_t j = 0; j < n; j++) {
         *defect = fmax(*defect, fabs(g[j]) / force);
-        for (int k = s->model->column[j]; k < s->model->column[j + 1]; k++) {
-            gsl_matrix_set(dense, (size_t)s->model->row[k], j, h[k]);
+        for (int k = m->column[j]; k < m->column[j + 1]; k++) {
+            gsl_matrix_set(dense, (size_t)m->row[k], j, h[k]);
         }
     }
     bool definite = gsl_linalg_cholesky_decomp1(dense) == GSL_SUCCESS;
@@ -75,13 +76,14 @@ static void every_accepted_state_is_a_stable_equilibrium(void **state) {
     haft_path *path = cycle(&s, (haft_path_options){.keep_states = true});
     for (size_t i = 0; i < path->points; i++) {
         double defect;
-        assert_true(is_definite(&s, path->state + i * s.model->dofs, path->point[i].load, &defect));
+        assert_true(is_definite(&s, path->state + i * haft_model_get(s.model)->dofs,
+                                path->point[i].load, &defect));
         check_less(defect, 1e-10);
         assert_true(path->point[i].lambda_min > 0 && path->point[i].least_pivot > 0);
     }
     /* and the check can fail: the same beam, its tip brought into the laws' softening range */
-    double *u = haft_memory_alloc(s.model->dofs, sizeof *u, NULL), defect;
-    for (size_t k = 0; k < s.model->dofs; k += 2) {
+    double *u = haft_memory_alloc(haft_model_get(s.model)->dofs, sizeof *u, NULL), defect;
+    for (size_t k = 0; k < haft_model_get(s.model)->dofs; k += 2) {
         u[k] = 1 - 10.5e-9 / BEAM.gap;
     }
     assert_false(is_definite(&s, u, 0, &defect));
@@ -138,7 +140,7 @@ static void the_answer_does_not_depend_on_the_step(void **state) {
                 check_near(other->jump[j].load, path->jump[j].load, 1e-9 * path->jump[0].load);
                 check_relative(other->jump[j].dissipated, path->jump[j].dissipated, 1e-6);
             }
-            for (size_t i = 0; i < s.model->dofs; i++) {
+            for (size_t i = 0; i < haft_model_get(s.model)->dofs; i++) {
                 check_near(other->final_state[i], path->final_state[i], 1e-8);
             }
             haft_path_destroy(&other);
@@ -178,8 +180,8 @@ static void the_load_never_goes_back(void **state) {
         haft_error error = {0};
         scene s = {0};
         check_ok(haft_model_create_beam(&s.model, &beam, &mesh, &error), error);
-        s.law = haft_memory_alloc(s.model->sites, sizeof *s.law, &error);
-        scatter_widely(s.law, s.model->sites, seeds[k]);
+        s.law = haft_memory_alloc(haft_model_get(s.model)->sites, sizeof *s.law, &error);
+        scatter_widely(s.law, haft_model_get(s.model)->sites, seeds[k]);
         haft_path *path = NULL;
         check_ok(haft_solve_path(&path, s.model, s.law, &programme,
                                  &(haft_path_options){.gap_step = 1}, &error),
@@ -204,13 +206,13 @@ static void a_short_range_gives_griffiths_crack(void **state) {
     haft_mesh_spec mesh = {HAFT_MESH_EXACT, 0, 1e-6, 60e-6, 0};
     haft_model *model = NULL;
     check_ok(haft_model_create_beam(&model, &BEAM, &mesh, &error), error);
-    haft_law *law = haft_memory_alloc(model->sites, sizeof *law, &error);
+    haft_law *law = haft_memory_alloc(haft_model_get(model)->sites, sizeof *law, &error);
     double e = 7e-3, griffith = haft_beam_equilibrium_crack(&BEAM, e), last = 0;
     for (double range = 32e-9; range > 1.9e-9; range /= 4) {
         haft_law_vector v = {e, e / (2 * range), range, 0.4 * range};
         haft_law one;
         assert_int_equal(haft_law_morse(&one, &v, v.f_max), HAFT_LAW_SOUND);
-        for (size_t r = 0; r < model->sites; r++) {
+        for (size_t r = 0; r < haft_model_get(model)->sites; r++) {
             law[r] = one;
         }
         haft_path *path = NULL;

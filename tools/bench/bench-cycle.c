@@ -101,19 +101,20 @@ typedef struct bare_klu {
 } bare_klu;
 
 static void make_bare_klu(bare_klu *k, const haft_model *m, haft_error *error) {
+    const haft_model_data *data = haft_model_get(m);
     *k = (bare_klu){.model = m};
-    k->value = haft_memory_alloc(m->nonzeros, sizeof *k->value, error);
-    k->b = haft_memory_alloc(m->dofs, sizeof *k->b, error);
+    k->value = haft_memory_alloc(data->nonzeros, sizeof *k->value, error);
+    k->b = haft_memory_alloc(data->dofs, sizeof *k->b, error);
     must(k->value == NULL || k->b == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
-    for (size_t i = 0; i < m->nonzeros; i++) {
-        k->value[i] = m->stiffness[i] + m->mass[i];
+    for (size_t i = 0; i < data->nonzeros; i++) {
+        k->value[i] = data->stiffness[i] + data->mass[i];
     }
     klu_defaults(&k->common);
     k->common.btf = 0;
     k->common.scale = -1;
     k->common.tol = 0;
-    k->symbolic = klu_analyze((int)m->dofs, m->column, m->row, &k->common);
-    k->numeric = klu_factor(m->column, m->row, k->value, k->symbolic, &k->common);
+    k->symbolic = klu_analyze((int)data->dofs, data->column, data->row, &k->common);
+    k->numeric = klu_factor(data->column, data->row, k->value, k->symbolic, &k->common);
 }
 
 static void free_bare_klu(bare_klu *k) {
@@ -126,7 +127,7 @@ static void free_bare_klu(bare_klu *k) {
 /* Means over 200 runs. */
 static klu_time time_klu(bare_klu *k) {
     enum { RUNS = 200 };
-    const haft_model *m = k->model;
+    const haft_model_data *m = haft_model_get(k->model);
     double start = haft_clock_seconds();
     for (int r = 0; r < RUNS; r++) {
         if (!klu_refactor(m->column, m->row, k->value, k->symbolic, k->numeric, &k->common)) {
@@ -153,12 +154,13 @@ typedef struct bare_laws {
 
 static void make_bare_laws(bare_laws *b, const haft_model *m, const haft_law *laws,
                            const haft_path *path, haft_error *error) {
-    *b = (bare_laws){.sites = m->sites - m->inert, .room = m->sites};
+    const haft_model_data *data = haft_model_get(m);
+    *b = (bare_laws){.sites = data->sites - data->inert, .room = data->sites};
     b->d = haft_memory_alloc(4 * b->room, sizeof *b->d, error);
     must(b->d == NULL ? HAFT_ERROR_MEMORY : HAFT_OK, error);
-    must(haft_law_rows_create(&b->rows, b->sites, laws + m->inert, error), error);
+    must(haft_law_rows_create(&b->rows, b->sites, laws + data->inert, error), error);
     haft_model_gaps(m, path->final_state, b->d);
-    memmove(b->d, b->d + m->inert, b->sites * sizeof *b->d);
+    memmove(b->d, b->d + data->inert, b->sites * sizeof *b->d);
 }
 
 static void free_bare_laws(bare_laws *b) {
@@ -239,7 +241,8 @@ static beam_cost time_beam(const bench *b, const haft_model *model, bare_klu *kl
         }
         klu_time one = time_klu(klu);
         double bare = one.refactor + one.solve, time = round[0][r];
-        double whole = (double)path->cost.unknowns / (double)model->dofs; /* factorizations */
+        double whole =
+            (double)path->cost.unknowns / (double)haft_model_get(model)->dofs; /* factorizations */
         double solves = whole * (double)path->cost.solves / (double)path->cost.factorizations;
         round[1][r] = bare;
         round[2][r] = time / (bare * whole);
@@ -275,10 +278,11 @@ static void compare_with_floor(const bench *b, haft_mesh_kind kind) {
     double middle = median(time, b->beams);
     printf("%-8s %5zu %9zu %9.3f %9.3f %9.3f %9.2f %7.2f %7.2f %7.2f %7.0f %8.0f %8.0f %8.0f %8.0f "
            "%8.0f %6.0f %6.1f\n",
-           name[kind], model->dofs, model->nonzeros, middle, time[0], time[b->beams - 1],
-           1e6 * floor, median(ratio, b->beams), median(lawful, b->beams), median(all, b->beams),
-           cost.steps, cost.rejected, cost.newton, cost.factorizations, cost.solves,
-           cost.unknowns / fmax(cost.factorizations, 1), cost.flow, cost.jumps);
+           name[kind], haft_model_get(model)->dofs, haft_model_get(model)->nonzeros, middle,
+           time[0], time[b->beams - 1], 1e6 * floor, median(ratio, b->beams),
+           median(lawful, b->beams), median(all, b->beams), cost.steps, cost.rejected, cost.newton,
+           cost.factorizations, cost.solves, cost.unknowns / fmax(cost.factorizations, 1),
+           cost.flow, cost.jumps);
     haft_model_destroy(&model);
 }
 
@@ -334,12 +338,12 @@ static void study_growth(const bench *b, const growth *g) {
             haft_path_destroy(&path);
             haft_site_laws_destroy(&laws);
         }
-        n[i] = (double)(model->sites - model->inert);
+        n[i] = (double)(haft_model_get(model)->sites - haft_model_get(model)->inert);
         cycle[i] = median(time, BEAMS);
         one[i] = median(each, BEAMS);
         printf("%8zu %8.0f %8zu %12.1f %8.0f %8.1f %8.0f %10.0f %18.2f\n", sites[i], n[i],
-               model->dofs, 1e3 * cycle[i], cost.steps, cost.jumps, cost.flow, cost.factorizations,
-               1e6 * one[i]);
+               haft_model_get(model)->dofs, 1e3 * cycle[i], cost.steps, cost.jumps, cost.flow,
+               cost.factorizations, 1e6 * one[i]);
         haft_model_destroy(&model);
     }
     printf("exponent: cycle %.2f, a factorization with all that goes with it %.2f\n",

@@ -13,7 +13,8 @@ static haft_status keep(haft_pool *pool, size_t k, const haft_path *path,
                                   pool->rank, pool->c, pool->laws_digest, error);
     }
     if (status == HAFT_OK) {
-        status = haft_part_append(pool->part, k, path, pool->model->dofs, summary, laws, error);
+        status = haft_part_append(pool->part, k, path, haft_model_get(pool->model)->dofs, summary,
+                                  laws, error);
     }
     omp_unset_lock(&pool->lock);
     return status;

@@ -93,8 +93,8 @@ static haft_status restore(run *r) {
         if (haft_parts_has(r->parts, k)) {
             haft_path *path = NULL;
             haft_summary summary;
-            haft_status status =
-                haft_parts_read(&path, &summary, NULL, r->parts, k, r->model->dofs, r->error);
+            haft_status status = haft_parts_read(&path, &summary, NULL, r->parts, k,
+                                                 haft_model_get(r->model)->dofs, r->error);
             haft_path_destroy(&path);
             if (status != HAFT_OK) {
                 return status;
@@ -158,14 +158,15 @@ static haft_status add_one(const run *r, haft_results *results, size_t k) {
     haft_laws *own = NULL;
     haft_site_laws *laws = NULL;
     haft_summary summary;
-    haft_status status =
-        haft_parts_read(&path, &summary, &own, r->parts, k, r->model->dofs, r->error);
+    haft_status status = haft_parts_read(&path, &summary, &own, r->parts, k,
+                                         haft_model_get(r->model)->dofs, r->error);
     if (status == HAFT_OK && haft_case_wants_evidence(r->c, k)) {
         status = haft_study_site_laws(&laws, r->c, own != NULL ? own : r->laws, own != NULL ? 0 : k,
                                       r->error);
     }
     if (status == HAFT_OK) {
-        status = haft_results_add(results, k, path, r->model, laws == NULL ? NULL : laws->law,
+        status = haft_results_add(results, k, path, haft_model_get(r->model),
+                                  laws == NULL ? NULL : laws->law,
                                   laws == NULL ? NULL : laws->vector, &summary, r->error);
     }
     haft_site_laws_destroy(&laws);
@@ -207,7 +208,8 @@ static haft_status save_laws(run *r, size_t n) {
     for (size_t k = 0; status == HAFT_OK && k < n; k++) {
         haft_path *path = NULL;
         haft_summary summary;
-        status = haft_parts_read(&path, &summary, &set[k], r->parts, k, r->model->dofs, r->error);
+        status = haft_parts_read(&path, &summary, &set[k], r->parts, k,
+                                 haft_model_get(r->model)->dofs, r->error);
         haft_path_destroy(&path);
     }
     if (status == HAFT_OK) {

@@ -9,7 +9,7 @@ static haft_results_shapes *make_shapes(const haft_model *model, size_t points, 
         return NULL;
     }
     s->points = points;
-    s->nodes = model->nodes;
+    s->nodes = haft_model_get(model)->nodes;
     s->node_x = haft_memory_alloc(s->nodes, sizeof(double), error);
     s->deflection = haft_memory_alloc(points * s->nodes, sizeof(double), error);
     s->rotation = haft_memory_alloc(points * s->nodes, sizeof(double), error);
@@ -21,15 +21,16 @@ static haft_results_shapes *make_shapes(const haft_model *model, size_t points, 
 
 /* Nodes after the clamp have a deflection and a rotation each. */
 static void fill_shapes(haft_results_shapes *s, const haft_model *model, const haft_path *path) {
+    const haft_model_data *m = haft_model_get(model);
     for (size_t k = 0; k < s->nodes; k++) {
-        s->node_x[k] = model->node_x[k];
+        s->node_x[k] = m->node_x[k];
     }
     for (size_t i = 0; i < s->points; i++) {
-        const double *u = path->state + i * model->dofs;
+        const double *u = path->state + i * m->dofs;
         for (size_t k = 1; k < s->nodes; k++) {
             size_t w = 2 * (k - 1);
-            s->deflection[i * s->nodes + k] = model->scale[w] * u[w];
-            s->rotation[i * s->nodes + k] = model->scale[w + 1] * u[w + 1];
+            s->deflection[i * s->nodes + k] = m->scale[w] * u[w];
+            s->rotation[i * s->nodes + k] = m->scale[w + 1] * u[w + 1];
         }
     }
 }

@@ -42,7 +42,7 @@ static void find_scales(haft_findings *out, const haft_evidence *e) {
 /* The greatest change of a gap along a patch in reach when the load is gone, over the range of its
  * law; and that change. NaN where no patch is in reach. */
 static haft_status find_slope(haft_findings *out, const haft_evidence *e, haft_error *error) {
-    const haft_model *model = e->model;
+    const haft_model_data *model = haft_model_get(e->model);
     if (e->path->points == 0 || e->path->outcome != HAFT_OUTCOME_STUCK) {
         return HAFT_OK;
     }
@@ -51,7 +51,7 @@ static haft_status find_slope(haft_findings *out, const haft_evidence *e, haft_e
         return HAFT_ERROR_MEMORY;
     }
     const double *u = e->path->final_state;
-    haft_model_gaps(model, u, gap);
+    haft_model_gaps(e->model, u, gap);
     double worst = 0, change = 0;
     for (size_t r = model->inert; r < model->sites; r++) {
         const haft_law *law = &e->sites->law[r];
@@ -59,7 +59,7 @@ static haft_status find_slope(haft_findings *out, const haft_evidence *e, haft_e
         if (!(gap[r] <= haft_law_reach(law, e->c->programme.crack_threshold)) || !(range > 0)) {
             continue;
         }
-        haft_model_shape(model, u, model->site[r].x, &w, &slope);
+        haft_model_shape(e->model, u, model->site[r].x, &w, &slope);
         double here = fabs(slope) * e->c->mesh.l_meso;
         if (here / range > worst) {
             worst = here / range;
@@ -208,7 +208,7 @@ static void find_curves(haft_findings *out, const haft_evidence *e) {
 
 /* How far beyond the computed part of its laws the beam shown is pressed. */
 static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_error *error) {
-    const haft_model *model = e->model;
+    const haft_model_data *model = haft_model_get(e->model);
     double *gap = haft_memory_alloc(model->sites, sizeof *gap, error);
     if (gap == NULL) {
         return HAFT_ERROR_MEMORY;
@@ -216,7 +216,7 @@ static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_e
     size_t beyond = 0;
     double greatest = 0, ratio = 0;
     for (size_t i = 0; i < e->path->points; i++) {
-        haft_model_gaps(model, e->path->state + i * model->dofs, gap);
+        haft_model_gaps(e->model, e->path->state + i * model->dofs, gap);
         bool any = false;
         for (size_t r = model->inert; r < model->sites; r++) {
             const haft_law *law = &e->sites->law[r];
