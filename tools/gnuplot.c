@@ -93,8 +93,8 @@ typedef enum deed { CHECK, PLACE, REMOVE } deed;
 static haft_status treat_figure(deed what, const char *draft, const char *folder, const char *name,
                                 haft_error *error) {
     char from[PATH_CAPACITY + 300], to[PATH_CAPACITY + 300];
-    snprintf(from, sizeof from, "%s/%s", draft, name);
-    snprintf(to, sizeof to, "%s/%s", folder, name);
+    HAFT_TRY(haft_path_join(from, sizeof from, draft, name, error));
+    HAFT_TRY(haft_path_join(to, sizeof to, folder, name, error));
     if (what == CHECK) {
         return check_figure(from, error);
     }

@@ -287,13 +287,15 @@ static haft_status save_heights(const haft_map *map, const char *folder, haft_er
             point[2] = map->z[i * stride * map->columns + j * stride];
         }
     }
-    char path[PATH_CAPACITY + 16];
-    snprintf(path, sizeof path, "%s/map.csv", folder);
+    char path[PATH_CAPACITY];
     const haft_csv_column column[] = {
         {.name = "x [um]", .value = data, .stride = 3, .factor = 1e6},
         {.name = "y [um]", .value = data + 1, .stride = 3, .factor = 1e6},
         {.name = "z [nm]", .value = data + 2, .stride = 3, .factor = 1e9}};
-    haft_status status = haft_csv_write(path, rows * columns, 3, column, error);
+    haft_status status = haft_path_join(path, sizeof path, folder, "map.csv", error);
+    if (status == HAFT_OK) {
+        status = haft_csv_write(path, rows * columns, 3, column, error);
+    }
     haft_memory_free(data);
     return status;
 }
@@ -313,11 +315,11 @@ static haft_status save_histogram(const findings *f, const char *folder, haft_er
         double x = (height[k] - s->mean) / s->rms;
         normal[k] = exp(-0.5 * x * x) / (s->rms * sqrt(2 * M_PI));
     }
-    char path[PATH_CAPACITY + 16];
-    snprintf(path, sizeof path, "%s/histogram.csv", folder);
+    char path[PATH_CAPACITY];
     const haft_csv_column column[] = {{.name = "height [nm]", .value = height, .factor = 1e9},
                                       {.name = "density [1/nm]", .value = density, .factor = 1e-9},
                                       {.name = "normal [1/nm]", .value = normal, .factor = 1e-9}};
+    HAFT_TRY(haft_path_join(path, sizeof path, folder, "histogram.csv", error));
     return haft_csv_write(path, BINS, 3, column, error);
 }
 
@@ -335,14 +337,16 @@ static haft_status save_psd(const findings *f, const char *folder, haft_error *e
         bool seen = f->fitted && f->psd->zeta[i] <= f->fit.psd.zeta_max;
         data[n + i] = seen ? haft_psd_value(&f->fit.psd, f->psd->zeta[i]) : NAN;
     }
-    char path[PATH_CAPACITY + 16];
-    snprintf(path, sizeof path, "%s/psd.csv", folder);
+    char path[PATH_CAPACITY];
     const haft_csv_column column[] = {
         {.name = "zeta [rad/um]", .value = f->psd->zeta, .factor = 1e-6},
         {.name = "s [nm^4]", .value = f->psd->s, .factor = 1e36},
         {.name = "relative error", .value = data},
         {.name = "fit [nm^4]", .value = data + n, .factor = 1e36}};
-    haft_status status = haft_csv_write(path, n, 4, column, error);
+    haft_status status = haft_path_join(path, sizeof path, folder, "psd.csv", error);
+    if (status == HAFT_OK) {
+        status = haft_csv_write(path, n, 4, column, error);
+    }
     haft_memory_free(data);
     return status;
 }

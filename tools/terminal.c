@@ -171,22 +171,16 @@ int terminal_finish(terminal *t, int code) {
     return code;
 }
 
-static haft_status join(char path[PATH_CAPACITY], const char *folder, const char *middle,
-                        const char *name, haft_error *error) {
-    int length = snprintf(path, PATH_CAPACITY, "%s/%s%s", folder, middle, name);
-    return length > 0 && length < PATH_CAPACITY
-               ? HAFT_OK
-               : haft_error_set(error, HAFT_ERROR_IO, "the path of %s is too long", folder);
-}
-
 haft_status case_path(char path[PATH_CAPACITY], const char *folder, const char *name,
                       haft_error *error) {
-    return join(path, folder, "", name, error);
+    return haft_path_join(path, PATH_CAPACITY, folder, name, error);
 }
 
 haft_status case_out_path(char path[PATH_CAPACITY], const char *folder, const char *name,
                           haft_error *error) {
-    return join(path, folder, "out/", name, error);
+    char out[PATH_CAPACITY];
+    HAFT_TRY(haft_path_join(out, sizeof out, folder, "out", error));
+    return haft_path_join(path, PATH_CAPACITY, out, name, error);
 }
 
 static haft_status make_folder(const char *path, haft_error *error) {

@@ -174,6 +174,11 @@ size_t haft_text_spell(char spelled[HAFT_SPELLED_CAPACITY], const char *text, si
  *  @return false if the text was cut; a cut is always between two characters. Thread-safe. */
 bool haft_text_quote(char *out, size_t capacity, const char *text, size_t size);
 
+/** Writes "FOLDER/NAME" into path[capacity].
+ *  @return HAFT_ERROR_IO if it does not fit. Thread-safe. */
+haft_status haft_path_join(char *path, size_t capacity, const char *folder, const char *name,
+                           haft_error *error) HAFT_MUST_CHECK;
+
 /** Opens a regular file for reading without blocking. A directory, pipe, device or socket is an
  *  error.
  *  @param[out] descriptor to be closed with close(); -1 on failure
@@ -201,6 +206,23 @@ haft_status haft_file_read(char **bytes, size_t *size, const char *path, size_t 
  *  or continues as a hexadecimal number; unchanged if there is none
  *  @return the number of characters, 0 if there is no number */
 size_t haft_number_scan(const char *text, double *value);
+
+/** A function whose root is sought.
+ *  @param[in] data as handed to haft_root_find()
+ *  @param[in] x where it is asked for
+ *  @param[out] slope its derivative there; NaN where it is not known
+ *  @return its value */
+typedef double (*haft_root_function)(const void *data, double x, double *slope);
+
+/** The root of a function that changes sign once between `low` and `high`: by Newton's steps, and
+ *  by bisection where one would leave the bracket or the slope is NaN. To rounding of the function.
+ *  @param[in] function whose root it is
+ *  @param[in] data handed to it
+ *  @param[in] low, high the bracket; the function is not asked for there
+ *  @param[in] rises whether it is positive at `high`
+ *  Thread-safe if the function is. */
+double haft_root_find(haft_root_function function, const void *data, double low, double high,
+                      bool rises);
 
 /** Seconds since an arbitrary fixed moment, by a monotonic clock. Thread-safe. */
 double haft_clock_seconds(void);

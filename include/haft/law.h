@@ -104,6 +104,9 @@ typedef struct haft_law_value {
  *  follows. @return HAFT_LAW_SOUND, HAFT_LAW_INVALID or HAFT_LAW_BOUND. Thread-safe. */
 haft_law_fault haft_law_morse(haft_law *out, const haft_law_vector *vector, double f_limit);
 
+/** What haft_law_morse() returns, without making the law. Thread-safe. */
+haft_law_fault haft_law_vector_fault(const haft_law_vector *vector, double f_limit);
+
 /** The vector of a Morse law, read back from its exponents. Inverse of haft_law_morse(). */
 haft_law_vector haft_law_morse_vector(const haft_law *law);
 

@@ -5,9 +5,19 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+haft_status haft_path_join(char *path, size_t capacity, const char *folder, const char *name,
+                           haft_error *error) {
+    int length = snprintf(path, capacity, "%s/%s", folder, name);
+    return length >= 0 && (size_t)length < capacity
+               ? HAFT_OK
+               : haft_error_set(error, HAFT_ERROR_IO, "the path of %s in %s is too long", name,
+                                folder);
+}
 
 haft_status haft_file_open(int *out, size_t *size, const char *path, haft_error *error) {
     struct stat facts;

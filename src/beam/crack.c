@@ -60,23 +60,15 @@ void haft_model_carry(const haft_model *from, const haft_model *to, const double
     }
 }
 
-/* Where the cubic, monotone from a to b, reaches the level. */
-static double find_root(const double c[4], double level, double a, double b) {
-    double x = 0.5 * (a + b);
-    for (int i = 0; i < 200 && x > a && x < b; i++) {
-        double off = cubic(c, x) - level, slope = (3 * c[3] * x + 2 * c[2]) * x + c[1];
-        if (off >= 0) {
-            b = x;
-        } else {
-            a = x;
-        }
-        double next = x - off / slope;
-        if (fabs(next - x) <= 0x1p-52 * x) {
-            return x;
-        }
-        x = next > a && next < b ? next : 0.5 * (a + b);
-    }
-    return b;
+typedef struct reached {
+    const double *c;
+    double level;
+} reached;
+
+static double above_level(const void *data, double x, double *slope) {
+    const reached *r = data;
+    *slope = (3 * r->c[3] * x + 2 * r->c[2]) * x + r->c[1];
+    return cubic(r->c, x) - r->level;
 }
 
 /* First xi in [a, b] with w(xi) >= level, or NaN. */
@@ -101,7 +93,7 @@ static double first_reach(const double c[4], double level, double a, double b) {
     stop[stops] = b;
     for (int i = 0; i < stops; i++) {
         if (cubic(c, stop[i + 1]) >= level) {
-            return find_root(c, level, stop[i], stop[i + 1]);
+            return haft_root_find(above_level, &(reached){c, level}, stop[i], stop[i + 1], true);
         }
     }
     return NAN;

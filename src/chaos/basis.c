@@ -70,37 +70,30 @@ static void part_zero(const chaos_recurrence *r, size_t n, size_t i, double *low
     }
 }
 
+typedef struct polynomial {
+    const chaos_recurrence *r;
+    size_t n;
+} polynomial;
+
+/* psi_n, and its derivative by the recurrence's own derivative. */
+static double evaluate(const void *data, double x, double *slope) {
+    const polynomial *p = data;
+    const chaos_recurrence *r = p->r;
+    double psi[HAFT_CHAOS_POINTS_LIMIT + 1], slope_before = 0;
+    haft_chaos_recur(r, p->n, x, psi);
+    *slope = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        double next = (psi[k] + (x - r->a) * *slope - r->b[k] * slope_before) / r->b[k + 1];
+        slope_before = *slope;
+        *slope = next;
+    }
+    return psi[p->n];
+}
+
 /* The zero of psi_n between low and high, where it changes sign. */
 static double find_zero(const chaos_recurrence *r, size_t n, double low, double high) {
-    enum { STEPS = 200 };
-    double psi[HAFT_CHAOS_POINTS_LIMIT + 1];
-    haft_chaos_recur(r, n, high, psi);
-    bool rises = psi[n] > 0;
-    double x = 0.5 * (low + high);
-    for (int step = 0; step < STEPS; step++) {
-        haft_chaos_recur(r, n, x, psi);
-        if ((psi[n] > 0) == rises) {
-            high = x;
-        } else {
-            low = x;
-        }
-        /* Derivative by the recurrence's own derivative. */
-        double slope = 0, slope_before = 0;
-        for (size_t k = 0; k < n; k++) {
-            double next = (psi[k] + (x - r->a) * slope - r->b[k] * slope_before) / r->b[k + 1];
-            slope_before = slope;
-            slope = next;
-        }
-        double next = x - psi[n] / slope;
-        if (!(next > low && next < high)) {
-            next = 0.5 * (low + high);
-        }
-        if (fabs(next - x) <= 1e-16 * (1 + fabs(x))) {
-            return next;
-        }
-        x = next;
-    }
-    return x;
+    polynomial p = {r, n};
+    return haft_root_find(evaluate, &p, low, high, evaluate(&p, high, &(double){0}) > 0);
 }
 
 haft_status haft_chaos_gauss(haft_chaos_germ germ, size_t n, double *x, double *weight,

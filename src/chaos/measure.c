@@ -197,7 +197,6 @@ static size_t sample_expansion(const haft_chaos *chaos, size_t samples, double *
 #pragma omp parallel for schedule(static) reduction(+ : outside)
     for (size_t k = 0; k < samples; k++) {
         double germ[N], one[N], q[N];
-        haft_law law;
         for (size_t i = 0; i < p->components; i++) {
             germ[i] = haft_chaos_germ_quantile(p->germ, point_of(&r, k, i));
         }
@@ -207,7 +206,7 @@ static size_t sample_expansion(const haft_chaos *chaos, size_t samples, double *
         }
         haft_chaos_q_from_eta(chaos, one, q);
         haft_law_vector v = haft_chaos_vector_from_q(chaos, q);
-        outside += haft_law_morse(&law, &v, p->f_limit) != HAFT_LAW_SOUND;
+        outside += haft_law_vector_fault(&v, p->f_limit) != HAFT_LAW_SOUND;
     }
     return outside;
 }

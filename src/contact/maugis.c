@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-enum { TERMS = 10, ITERATIONS = 200 };
+enum { TERMS = 10 };
 
 /* A = sin(2 theta)/2 - theta cos(2 theta) and B = theta sin(theta) + cos(theta) - 1, given sine and
  * cosine. At small angles, where the terms cancel, their series are used, with a remainder below
@@ -76,52 +76,41 @@ double haft_maugis_meeting(void) {
     return cbrt(9.0 / 16.0 / (1 - 1 / M_PI));
 }
 
+static double approach_slope(const void *lambda, double theta, double *slope) {
+    *slope = NAN;
+    return haft_maugis_at(*(const double *)lambda, theta).approach_slope;
+}
+
 double haft_maugis_first_angle(double lambda) {
     if (lambda <= haft_maugis_meeting()) {
         return 0.5 * M_PI;
     }
-    double low = 0, high = 0.5 * M_PI;
-    for (int i = 0; i < ITERATIONS; i++) {
-        double middle = 0.5 * (low + high);
-        if (!(middle > low && middle < high)) {
-            break;
-        }
-        if (haft_maugis_at(lambda, middle).approach_slope < 0) {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    double theta = haft_root_find(approach_slope, &lambda, 0, 0.5 * M_PI, true);
+    while (approach_slope(&lambda, theta, &(double){0}) >= 0) { /* the branch is before the fold */
+        theta = nextafter(theta, 0);
     }
-    return low;
+    return theta;
+}
+
+typedef struct sought {
+    double lambda, approach;
+} sought;
+
+/* Over log(theta), because the approach is close to a power of theta, theta^-3 in the limit. */
+static double approach_missed(const void *data, double log_theta, double *slope) {
+    const sought *s = data;
+    double theta = exp(log_theta);
+    haft_maugis_point point = haft_maugis_at(s->lambda, theta);
+    *slope = point.approach_slope * theta;
+    return point.approach - s->approach;
 }
 
 double haft_maugis_angle(double lambda, double first, double approach) {
-    /* Newton in log(theta), because the approach is close to a power of theta, theta^-3 in the
-     * limit. */
     double low = log(first), high = low;
     do {
         low -= 1;
     } while (haft_maugis_at(lambda, exp(low)).approach < approach);
-    double x = 0.5 * (low + high);
-    for (int i = 0; i < ITERATIONS; i++) {
-        double theta = exp(x);
-        haft_maugis_point point = haft_maugis_at(lambda, theta);
-        double miss = point.approach - approach;
-        if (miss > 0) {
-            low = x;
-        } else {
-            high = x;
-        }
-        double next = x - miss / (point.approach_slope * theta);
-        if (!(next > low && next < high)) {
-            next = 0.5 * (low + high);
-        }
-        if (miss == 0 || next == x || !(next > low && next < high)) {
-            break;
-        }
-        x = next;
-    }
-    return exp(x);
+    return exp(haft_root_find(approach_missed, &(sought){lambda, approach}, low, high, false));
 }
 
 double haft_maugis_fold_reach(double lambda) {

@@ -92,33 +92,21 @@ haft_hermite haft_hermite_interval(size_t n, const double *x, const double *f, s
     return haft_hermite_from_ends(haft_hermite_at_ends(n, x, f, i), x[i + 1] - x[i]);
 }
 
+typedef struct reached {
+    const haft_hermite *cubic;
+    double value;
+} reached;
+
+static double above_value(const void *data, double t, double *slope) {
+    const reached *r = data;
+    const double *c = r->cubic->c;
+    *slope = c[1] + t * (2 * c[2] + t * 3 * c[3]);
+    return haft_hermite_value(r->cubic, t) - r->value;
+}
+
 double haft_hermite_solve(const haft_hermite *cubic, double value) {
-    enum { STEPS = 200 }; /* bisection alone would need 53 or so; Newton takes about 5 */
-    const double *c = cubic->c;
-    double low = 0, high = cubic->width;
-    bool falls = haft_hermite_value(cubic, high) < c[0];
-    double t = 0.5 * high;
-    for (int step = 0; step < STEPS; step++) {
-        double miss = haft_hermite_value(cubic, t) - value;
-        if (miss == 0) {
-            break;
-        }
-        if ((miss > 0) == falls) {
-            low = t;
-        } else {
-            high = t;
-        }
-        double slope = c[1] + t * (2 * c[2] + t * 3 * c[3]);
-        double next = t - miss / slope;
-        if (!(next > low && next < high)) {
-            next = 0.5 * (low + high);
-        }
-        if (next == t || next == low || next == high) {
-            break;
-        }
-        t = next;
-    }
-    return t;
+    bool rises = haft_hermite_value(cubic, cubic->width) >= cubic->c[0];
+    return haft_root_find(above_value, &(reached){cubic, value}, 0, cubic->width, rises);
 }
 
 double haft_hermite_steepest(const haft_hermite *cubic) {

@@ -3,8 +3,7 @@
 #ifndef HAFT_LAW_HERMITE_H
 #define HAFT_LAW_HERMITE_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "haft/base.h"
 
 /* f(t) = c[0] + c[1] t + c[2] t^2 + c[3] t^3, 0 <= t <= width. */
 typedef struct haft_hermite {

@@ -46,6 +46,11 @@ haft_law_fault haft_law_morse(haft_law *out, const haft_law_vector *vector, doub
     return HAFT_LAW_SOUND;
 }
 
+haft_law_fault haft_law_vector_fault(const haft_law_vector *vector, double f_limit) {
+    haft_law law;
+    return haft_law_morse(&law, vector, f_limit);
+}
+
 haft_law_vector haft_law_morse_vector(const haft_law *law) {
     return (haft_law_vector){
         .e = law->f_max * (0.5 / law->a_left + 1.5 / law->a_right),

@@ -2,8 +2,6 @@
 /* Tables of figures: filled row by row, then written whole as CSV and freed. */
 #include "sheet.h"
 
-#include <stdio.h>
-
 haft_status haft_sheet_make(haft_sheet *t, size_t rows, size_t columns, haft_error *error) {
     *t = (haft_sheet){rows, columns, haft_memory_alloc(rows * columns, sizeof(double), error),
                       haft_memory_alloc(columns, sizeof(haft_csv_column), error)};
@@ -26,11 +24,8 @@ void haft_sheet_name(haft_sheet *t, const char *const *name) {
 haft_status haft_sheet_write(haft_sheet *t, const char *directory, const char *name,
                              haft_error *error) {
     char path[4096];
-    int length = snprintf(path, sizeof path, "%s/%s", directory, name);
-    haft_status status = HAFT_OK;
-    if (length < 0 || (size_t)length >= sizeof path) {
-        status = haft_error_set(error, HAFT_ERROR_IO, "the path of %s is too long", name);
-    } else {
+    haft_status status = haft_path_join(path, sizeof path, directory, name, error);
+    if (status == HAFT_OK) {
         status = haft_csv_write(path, t->rows, t->columns, t->column, error);
     }
     haft_sheet_drop(t);

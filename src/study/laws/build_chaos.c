@@ -55,9 +55,8 @@ haft_status haft_study_fit_laws(haft_laws **out, const haft_case *c, size_t m,
     laws->f_limit = haft_case_limit(c);
     haft_digest_memory(vector, m * sizeof *vector, laws->origin);
     for (size_t k = 0; k < m; k++) {
-        haft_law law;
         laws->vector[k] = vector[k];
-        laws->fault[k] = haft_law_morse(&law, &vector[k], laws->f_limit);
+        laws->fault[k] = haft_law_vector_fault(&vector[k], laws->f_limit);
     }
     status = haft_study_build_chaos(laws, c, error);
     if (status != HAFT_OK) {

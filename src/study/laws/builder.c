@@ -236,11 +236,10 @@ haft_status haft_builder_room(haft_laws **out, const haft_builder *b, size_t set
 
 /* Vector and zero-force facts of a curve, into row k. */
 static void enter_curve(const haft_case *c, const haft_curve *curve, haft_laws *laws, size_t k) {
-    haft_law law;
     haft_law_fault fault = haft_law_characterise(laws->n, laws->distance, curve->force,
                                                  laws->f_limit, &laws->vector[k]);
     if (fault == HAFT_LAW_SOUND) {
-        fault = haft_law_morse(&law, &laws->vector[k], laws->f_limit);
+        fault = haft_law_vector_fault(&laws->vector[k], laws->f_limit);
     } else {
         laws->vector[k] = (haft_law_vector){NAN, NAN, NAN, NAN};
     }

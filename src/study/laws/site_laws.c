@@ -35,27 +35,24 @@ static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r
     return HAFT_OK;
 }
 
+/* The law of site r from law k, whose fault is known: a Morse law where its vector has one, else a
+ * table where the case allows it. */
 static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_laws *laws, size_t r,
                             size_t k, size_t slot, haft_error *error) {
-    haft_law_fault fault = laws->fault[k];
-    haft_law morse;
-    if (fault == HAFT_LAW_SOUND) {
-        fault = haft_law_morse(&morse, &laws->vector[k], laws->f_limit);
-    }
+    bool sound = laws->fault[k] == HAFT_LAW_SOUND;
     s->vector[r] = laws->vector[k];
-    s->unfit += fault != HAFT_LAW_SOUND;
-    if (c->law.kind == HAFT_LAW_TABLE) {
-        return make_table(s, laws, r, k, slot, error);
+    s->unfit += !sound;
+    if (c->law.kind == HAFT_LAW_MORSE && sound) {
+        return haft_law_morse(&s->law[r], &laws->vector[k], laws->f_limit) == HAFT_LAW_SOUND
+                   ? HAFT_OK
+                   : haft_error_set(error, HAFT_ERROR_INPUT,
+                                    "law %zu is marked sound, but its vector has no Morse law", k);
     }
-    if (fault == HAFT_LAW_SOUND) {
-        s->law[r] = morse;
-        return HAFT_OK;
-    }
-    if (c->law.unfit == HAFT_UNFIT_STOP) {
+    if (c->law.kind == HAFT_LAW_MORSE && c->law.unfit == HAFT_UNFIT_STOP) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "no Morse law fits the curve of site %zu (%s); set law.unfit: table "
                               "to use such curves themselves, or law.kind: table to use all",
-                              r, haft_law_fault_name(fault));
+                              r, haft_law_fault_name(laws->fault[k]));
     }
     return make_table(s, laws, r, k, slot, error);
 }

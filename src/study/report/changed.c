@@ -59,19 +59,17 @@ static void change(haft_case *v, unsigned changes) {
 }
 
 static haft_status make_case(haft_changed *own, const haft_changed_set *set, haft_error *error) {
-    char path[4096];
+    char path[4096], name[16];
     haft_case v = *set->c;
     v.realizations = set->beams;
     v.stop.crack_length_mean = 0;
     memset(&v.evidence, 0, sizeof v.evidence);
     v.curves = HAFT_CURVES_ALL; /* some variants take them as tables */
     change(&v, own->changes);
-    int length = snprintf(path, sizeof path, "%s/%03x.yaml", set->directory, own->changes);
-    if (length < 0 || (size_t)length >= sizeof path) {
-        return haft_error_set(error, HAFT_ERROR_IO, "the path of %s is too long", set->directory);
-    }
-    haft_status status = haft_case_write(&v, path, error);
-    return status == HAFT_OK ? haft_case_read(&own->c, path, error) : status;
+    snprintf(name, sizeof name, "%03x.yaml", own->changes);
+    HAFT_TRY(haft_path_join(path, sizeof path, set->directory, name, error));
+    HAFT_TRY(haft_case_write(&v, path, error));
+    return haft_case_read(&own->c, path, error);
 }
 
 /* ---- its beams ---- */
