@@ -289,6 +289,166 @@ typedef struct haft_zero_force {
  *  arrays. Thread-safe. */
 haft_zero_force haft_contact_zero_force(const haft_curve *curve);
 
+/** Dispersion forces across a gap of two faces that do not touch. Both are of one substrate, and
+ * may bear a native oxide and on it a film of adsorbed water; a layer of thickness 0 is not there,
+ * and its Hamaker constant is not read then. */
+typedef struct haft_dispersion {
+    double substrate;          /**< Hamaker constant with itself across vacuum [J], > 0 */
+    double oxide;              /**< likewise */
+    double film;               /**< likewise */
+    double oxide_thickness[2]; /**< of each face [m], 0 to 100 nm */
+    double film_thickness[2];  /**< likewise, outside the oxide */
+    double retardation;        /**< wavelength lambda [m], >= 0; 0: light is infinitely fast */
+    double cut_off;            /**< least gap at which an average counts force [m] */
+} haft_dispersion;
+
+/** The wavelength of Gregory (1981) [m]. */
+#define HAFT_DISPERSION_RETARDATION 100e-9
+
+/** Least cut-off [m]: closer than this are no two faces of atoms that touch (Israelachvili 2011,
+ *  ch. 13). */
+#define HAFT_DISPERSION_CUT_OFF_LEAST 0.165e-9
+
+/** Greatest cut-off, and greatest thickness of a layer [m]. */
+#define HAFT_DISPERSION_LENGTH_MOST 100e-9
+
+/** Energy and force an area at one gap, or averaged over a surface at one distance. */
+typedef struct haft_dispersion_value {
+    double energy;   /**< W [J/m^2], negative */
+    double pressure; /**< dW/dg [Pa]; positive pulls, the other way from f(d) of a curve */
+    double slope;    /**< d^2 W/dg^2 [Pa/m] */
+} haft_dispersion_value;
+
+/** Refuses what the functions below must not be given. Thread-safe.
+ *  @return HAFT_ERROR_INPUT for a Hamaker constant that is read and not positive, a cut-off out of
+ *  HAFT_DISPERSION_CUT_OFF_LEAST to HAFT_DISPERSION_LENGTH_MOST, a thickness out of 0 to
+ *  HAFT_DISPERSION_LENGTH_MOST, a negative wavelength, or a number that is not finite. */
+haft_status haft_dispersion_check(const haft_dispersion *law, haft_error *error) HAFT_MUST_CHECK;
+
+/** Two plane faces at a gap g, whatever the cut-off:
+ *
+ *      W(g) = -sum_ij a_i b_j / (12 pi x^2 (1 + 5.32 x/lambda)),    x = g + s_i + t_j,
+ *
+ *  over the interfaces of the one face at depths s_i and of the other at t_j. The outermost is at
+ *  depth 0 and has a = sqrt(A_outer), A being Hamaker constants; each one below has
+ *  sqrt(A_below) - sqrt(A_above), by the combining relation A_12 = sqrt(A_1 A_2). Bare faces have
+ *  W = -A/(12 pi g^2), retarded.
+ *  Source: layers and combining relations Israelachvili (2011), ch. 13; retardation Gregory (1981),
+ *  J. Colloid Interface Sci. 83, 138, made for bare plates. Beyond some 100 nm, where the exact
+ *  energy falls on with its thermal part, it is a coarse guess: see test/verify/test_dispersion.c.
+ *  @param[in] law one that passed haft_dispersion_check()
+ *  @param[in] gap g [m], > 0. Thread-safe. */
+haft_dispersion_value haft_dispersion_at(const haft_dispersion *law, double gap);
+
+/** What an average over a surface needs to know of it: its heights, counted in bins. */
+typedef struct haft_height_bins haft_height_bins;
+
+/** Counts heights into bins of one width between the least and the greatest. Each bin in turn
+ * stands for heights spread evenly, with the mean and the variance of those it holds: averages are
+ * wrong by the square of the width where a cut-off goes through a bin, by less elsewhere.
+ * Thread-safe.
+ *  @param[out] out to be freed by haft_height_bins_destroy()
+ *  @param[in] z n heights [m] above the mean plane
+ *  @param[in] n how many, > 0
+ *  @param[in] bins how many, > 0; empty ones are dropped
+ *  @param[out] error may be NULL
+ *  @return HAFT_ERROR_ARGUMENT for no heights or no bins, HAFT_ERROR_INPUT for heights that are not
+ *  finite, HAFT_ERROR_MEMORY. */
+haft_status haft_height_bins_create(haft_height_bins **out, const double *z, size_t n, size_t bins,
+                                    haft_error *error) HAFT_MUST_CHECK;
+
+/** Frees it and sets the pointer to NULL; NULL is allowed. */
+void haft_height_bins_destroy(haft_height_bins **bins);
+
+/** The average over a surface of heights z, its mean plane at distance d from a plane face:
+ *
+ *      U(d) = < W(max(d - z, cut_off)) >,
+ *      P(d) = dU/dd = < W'(d - z) where d - z > cut_off, else 0 >,
+ *
+ *  each point having the force of plane faces at its gap (Derjaguin). For the gap of two rough
+ * faces z are the sums of their heights. The integrals over each bin are exact, and so is P =
+ * dU/dd. The slope is of P, with what the points at the cut-off add to it; a bin of equal heights
+ * adds nothing there, as P jumps. Thread-safe.
+ *  @param[in] law one that passed haft_dispersion_check()
+ *  @param[in] bins the heights
+ *  @param[in] distance d [m], any */
+haft_dispersion_value haft_dispersion_average(const haft_dispersion *law,
+                                              const haft_height_bins *bins, double distance);
+
+/** The same average over heights of a normal distribution, energy and pressure to 1e-8 of
+ *  themselves, by Gauss's quadrature between the cut-off and twelve rms. Thread-safe.
+ *  @param[in] law one that passed haft_dispersion_check()
+ *  @param[in] rms of the heights [m], finite and >= 0
+ *  @param[in] distance d [m], any */
+haft_dispersion_value haft_dispersion_gaussian(const haft_dispersion *law, double rms,
+                                               double distance);
+
+/** The most coefficients of a far field. */
+#define HAFT_FAR_FIELD_TERMS 24
+
+/** A smooth energy of distance, that vanishes with its first two derivatives at d_out:
+ *
+ *      U(d) = sum_{k=3}^{n+2} c_k t^k,    t = s/(s + d) - s/(s + d_out),    d_first <= d < d_out;
+ *
+ *  0 from d_out on; below d_first as the force's tangent there has it, so that the force does not
+ *  explode in deep contact. Kept as U = t^3 sum_j coefficient[j] u^j, u = stretch t - 1, from -1 at
+ *  d_out to 1 at d_first: the same polynomial, without the cancelling of large c_k. */
+typedef struct haft_far_field {
+    double first;          /**< d_first [m] */
+    double out;            /**< d_out [m] */
+    double scale;          /**< s [m], chosen with the fit */
+    double stretch;        /**< 2/t(d_first) */
+    size_t n;              /**< coefficients in use */
+    double energy_error;   /**< greatest, of the greatest |U| among the points of the fit */
+    double pressure_error; /**< greatest, of the greatest |P| among them */
+    double coefficient[HAFT_FAR_FIELD_TERMS]; /**< [J/m^2] */
+} haft_far_field;
+
+/** The far field nearest to energies and pressures at given distances, d_first and d_out the first
+ *  and the last of them: least squares of U and P, each against its greatest, the points weighted
+ *  to lie as Chebyshev's would. The scale s is tried from a thousandth of d_out - d_first to all of
+ *  it. Thread-safe.
+ *  @param[out] out the fit with its errors, to be looked at
+ *  @param[in] terms n, 1 to HAFT_FAR_FIELD_TERMS; the degree of U is n + 2
+ *  @param[in] points how many, at least 2 and at least n; dense where the pressure bends
+ *  @param[in] distance [m], increasing, the first not negative
+ *  @param[in] energy U there [J/m^2]
+ *  @param[in] pressure P = dU/dd there [Pa]
+ *  @param[out] error may be NULL
+ *  @return HAFT_ERROR_ARGUMENT for a number of terms or points out of range, or distances that do
+ *  not increase; HAFT_ERROR_INPUT for numbers that are not finite, or energies or pressures that
+ *  all vanish; HAFT_ERROR_MEMORY. */
+haft_status haft_far_field_fit(haft_far_field *out, size_t terms, size_t points,
+                               const double *distance, const double *energy, const double *pressure,
+                               haft_error *error) HAFT_MUST_CHECK;
+
+/** What a far field is made of: energy and pressure at a distance [m]; the slope is not read. */
+typedef haft_dispersion_value haft_far_field_source(const void *context, double distance);
+
+/** haft_far_field_fit() to a function, asked at 601 distances between first and out. Thread-safe if
+ *  the function is.
+ *  @param[out] out the fit with its errors, to be looked at
+ *  @param[in] terms n, 1 to HAFT_FAR_FIELD_TERMS
+ *  @param[in] first d_first [m], >= 0
+ *  @param[in] far d_out [m], > first
+ *  @param[in] source of energies and pressures
+ *  @param[in] context handed to it
+ *  @param[out] error may be NULL
+ *  @return as haft_far_field_fit(). */
+haft_status haft_far_field_make(haft_far_field *out, size_t terms, double first, double far,
+                                haft_far_field_source *source, const void *context,
+                                haft_error *error) HAFT_MUST_CHECK;
+
+/** U, P = dU/dd and dP/dd at n distances, any. Thread-safe.
+ *  @param[in] field a fit
+ *  @param[in] n how many
+ *  @param[in] distance d [m]
+ *  @param[out] energy [J/m^2]
+ *  @param[out] pressure [Pa], positive pulls
+ *  @param[out] slope [Pa/m]; none of the arrays may overlap another */
+void haft_far_field_evaluate(const haft_far_field *field, size_t n, const double *distance,
+                             double *energy, double *pressure, double *slope);
+
 #ifdef __cplusplus
 }
 #endif
