@@ -334,8 +334,10 @@ haft_status haft_dispersion_check(const haft_dispersion *law, haft_error *error)
  *  sqrt(A_below) - sqrt(A_above), by the combining relation A_12 = sqrt(A_1 A_2). Bare faces have
  *  W = -A/(12 pi g^2), retarded.
  *  Source: layers and combining relations Israelachvili (2011), ch. 13; retardation Gregory (1981),
- *  J. Colloid Interface Sci. 83, 138, made for bare plates. Beyond some 100 nm, where the exact
- *  energy falls on with its thermal part, it is a coarse guess: see test/verify/test_dispersion.c.
+ *  J. Colloid Interface Sci. 83, 138, made for bare plates. With Hamaker constants that are right
+ * at 1 nm, silicon, bare or oxidized, comes within 10 % of the exact theory of Lifshitz from 1 to
+ * 500 nm; bare silica pulls too far, by 5 % at 10 nm and 26 % about 100 nm with some published
+ * data, by twice that with others.
  *  @param[in] law one that passed haft_dispersion_check()
  *  @param[in] gap g [m], > 0. Thread-safe. */
 haft_dispersion_value haft_dispersion_at(const haft_dispersion *law, double gap);
@@ -392,7 +394,9 @@ haft_dispersion_value haft_dispersion_gaussian(const haft_dispersion *law, doubl
  *
  *  0 from d_out on; below d_first as the force's tangent there has it, so that the force does not
  *  explode in deep contact. Kept as U = t^3 sum_j coefficient[j] u^j, u = stretch t - 1, from -1 at
- *  d_out to 1 at d_first: the same polynomial, without the cancelling of large c_k. */
+ *  d_out to 1 at d_first: the same polynomial, without the cancelling of large c_k. What it is near
+ *  to is the greatest pressure: where there is but a millionth of that, nothing is left of it but
+ *  the order of magnitude. */
 typedef struct haft_far_field {
     double first;          /**< d_first [m] */
     double out;            /**< d_out [m] */
