@@ -31,12 +31,8 @@ static haft_status open_side(side *s, const haft_case *own, const char *folder, 
                                 "%s holds a sweep; what is compared is one case, as %s/out/%s",
                                 folder, folder, c->sweep.label);
     }
-    if (status == HAFT_OK) {
-        status = case_out_path(path, folder, "results.h5", error);
-    }
-    if (status == HAFT_OK) {
-        status = read_results(&s->view, c, path, error);
-    }
+    HAFT_THEN(status, case_out_path(path, folder, "results.h5", error));
+    HAFT_THEN(status, read_results(&s->view, c, path, error));
     if (status == HAFT_OK) {
         s->statistics = haft_study_statistics(c, s->view->summary, s->view->realizations);
     } else {
@@ -97,19 +93,15 @@ int tell_against(const haft_case *c, const char *case_folder, const char *refere
     haft_difference d;
     side r = {0}, s = {0};
     haft_status status = open_side(&s, c, case_folder, &error);
-    if (status == HAFT_OK) {
-        status = open_side(&r, NULL, reference, &error);
-    }
+    HAFT_THEN(status, open_side(&r, NULL, reference, &error));
     if (status == HAFT_OK && (r.statistics.stuck < 2 || s.statistics.stuck < 2)) {
         status = haft_error_set(&error, HAFT_ERROR_INPUT,
                                 "a comparison needs two beams that stuck on either side; there are "
                                 "%zu, and %zu of the reference",
                                 s.statistics.stuck, r.statistics.stuck);
     }
-    if (status == HAFT_OK) {
-        status = haft_study_differ(&d, r.c, r.view->summary, r.view->realizations, c,
-                                   s.view->summary, s.view->realizations, &error);
-    }
+    HAFT_THEN(status, haft_study_differ(&d, r.c, r.view->summary, r.view->realizations, c,
+                                        s.view->summary, s.view->realizations, &error));
     if (status == HAFT_OK) {
         (json ? print_json : print_text)(&r, &s, &d);
     }
@@ -122,22 +114,13 @@ haft_status write_against(char title[HAFT_TEXT_CAPACITY], const char *reference,
                           haft_error *error) {
     char path[PATH_CAPACITY];
     side r;
-    haft_status status = open_side(&r, NULL, reference, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(open_side(&r, NULL, reference, error));
     snprintf(title, HAFT_TEXT_CAPACITY, "%s", r.c->title);
-    status = case_path(path, folder, "reference_summary.csv", error);
-    if (status == HAFT_OK) {
-        status = haft_study_write_summary(r.view->summary, r.view->realizations, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = case_path(path, folder, "reference_convergence.csv", error);
-    }
-    if (status == HAFT_OK) {
-        status =
-            haft_study_write_convergence(r.c, r.view->summary, r.view->realizations, path, error);
-    }
+    haft_status status = case_path(path, folder, "reference_summary.csv", error);
+    HAFT_THEN(status, haft_study_write_summary(r.view->summary, r.view->realizations, path, error));
+    HAFT_THEN(status, case_path(path, folder, "reference_convergence.csv", error));
+    HAFT_THEN(status, haft_study_write_convergence(r.c, r.view->summary, r.view->realizations, path,
+                                                   error));
     close_side(&r);
     return status;
 }

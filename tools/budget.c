@@ -61,19 +61,13 @@ int budget_case(const haft_case *c, const char *folder, size_t beams, terminal *
     char path[PATH_CAPACITY], kept[PATH_CAPACITY];
     bool run = find_headline(&s, c, folder);
     haft_status status = make_out_folder(folder, "budget", &error);
-    if (status == HAFT_OK) {
-        status = case_out_path(kept, folder, "budget", &error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(path, folder, "budget.csv", &error);
-    }
+    HAFT_THEN(status, case_out_path(kept, folder, "budget", &error));
+    HAFT_THEN(status, case_out_path(path, folder, "budget.csv", &error));
     if (status == HAFT_OK) {
         haft_progress progress = terminal_progress(t);
         status = haft_study_budget(&budget, c, beams, run ? &s : NULL, kept, &progress, &error);
     }
-    if (status == HAFT_OK) {
-        status = haft_study_write_budget(&budget, c, path, &error);
-    }
+    HAFT_THEN(status, haft_study_write_budget(&budget, c, path, &error));
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);
     }

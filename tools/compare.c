@@ -74,19 +74,13 @@ static void make_label(entry *e, const char *folder) {
 static haft_status read_entry(entry *e, const char *folder, size_t variant, haft_error *error) {
     char yaml[PATH_CAPACITY], inside[PATH_CAPACITY], results[PATH_CAPACITY];
     haft_status status = case_path(yaml, folder, "case.yaml", error);
-    if (status == HAFT_OK) {
-        status = haft_case_read_variant(&e->c, yaml, variant, error);
-    }
+    HAFT_THEN(status, haft_case_read_variant(&e->c, yaml, variant, error));
     if (status == HAFT_OK && e->c->sweep.keys > 0) {
         status = case_out_path(inside, folder, e->c->sweep.label, error);
         folder = inside;
     }
-    if (status == HAFT_OK) {
-        status = case_out_path(results, folder, "results.h5", error);
-    }
-    if (status == HAFT_OK) {
-        status = read_own_results(&e->view, e->c, results, error);
-    }
+    HAFT_THEN(status, case_out_path(results, folder, "results.h5", error));
+    HAFT_THEN(status, read_own_results(&e->view, e->c, results, error));
     if (status == HAFT_OK) {
         e->statistics = haft_study_statistics(e->c, e->view->summary, e->view->realizations);
     }
@@ -95,13 +89,10 @@ static haft_status read_entry(entry *e, const char *folder, size_t variant, haft
 
 static haft_status read_folder(entries *all, const char *folder, haft_error *error) {
     haft_case *c = NULL;
-    haft_status status = read_case(&c, folder, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(read_case(&c, folder, error));
     size_t variants = c->sweep.variants;
     haft_case_destroy(&c);
-    status = make_room(all, all->count + variants, error);
+    haft_status status = make_room(all, all->count + variants, error);
     for (size_t i = 0; i < variants && status == HAFT_OK; i++) {
         entry *e = &all->entry[all->count++];
         status = read_entry(e, folder, i, error);
@@ -336,23 +327,15 @@ int compare_cases(size_t folders, char *const *folder, const char *directory, te
                                 "a sweep",
                                 folder[0]);
     }
-    if (status == HAFT_OK) {
-        status = compare_all(&all, &error);
-    }
+    HAFT_THEN(status, compare_all(&all, &error));
     if (status == HAFT_OK) {
         print_cases(&all);
         print_differences(&all);
         status = find_directory(place, folder[0], directory, &error);
     }
-    if (status == HAFT_OK) {
-        status = save_table(&all, place, &error);
-    }
-    if (status == HAFT_OK) {
-        status = save_distributions(&all, place, &error);
-    }
-    if (status == HAFT_OK) {
-        status = draw_all(&all, place, &error);
-    }
+    HAFT_THEN(status, save_table(&all, place, &error));
+    HAFT_THEN(status, save_distributions(&all, place, &error));
+    HAFT_THEN(status, draw_all(&all, place, &error));
     drop(&all);
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);

@@ -86,9 +86,7 @@ static haft_status draw_against(const pen *p, const char *reference, haft_error 
         return HAFT_OK;
     }
     haft_status status = write_against(title, reference, p->folder, error);
-    if (status == HAFT_OK) {
-        status = give_text("HAFT_REFERENCE", title, error);
-    }
+    HAFT_THEN(status, give_text("HAFT_REFERENCE", title, error));
     return status == HAFT_OK ? draw_each(p, figure, 1, error) : status;
 }
 
@@ -97,12 +95,8 @@ static haft_status draw_all(const haft_case *c, const haft_laws *laws, const cha
     pen p;
     take_pen(&p, c, folder);
     haft_status status = draw_path(&p, error);
-    if (status == HAFT_OK) {
-        status = draw_correlation(&p, laws, error);
-    }
-    if (status == HAFT_OK) {
-        status = draw_model(&p, laws, error);
-    }
+    HAFT_THEN(status, draw_correlation(&p, laws, error));
+    HAFT_THEN(status, draw_model(&p, laws, error));
     return status == HAFT_OK ? draw_against(&p, reference, error) : status;
 }
 
@@ -123,9 +117,7 @@ static haft_status draw_shared_surface(const haft_case *c, const char *folder, h
     char definitions[ROUGHNESS_CAPACITY];
     define_roughness(definitions, c);
     haft_status status = haft_study_write_surface(c, folder, error);
-    if (status == HAFT_OK) {
-        status = draw_script("surface", folder, c->title, definitions, error);
-    }
+    HAFT_THEN(status, draw_script("surface", folder, c->title, definitions, error));
     return status == HAFT_OK ? draw_script("psd", folder, c->title, definitions, error) : status;
 }
 
@@ -138,9 +130,7 @@ static haft_status draw_humidity(const haft_case *c, const char *folder, const c
     }
     bool forces = sweep->keys > 1 && strcmp(sweep->key[1], "contact.forces") == 0;
     haft_status status = haft_study_write_water(c, folder, error);
-    if (status == HAFT_OK) {
-        status = draw_script("water", folder, c->title, definitions, error);
-    }
+    HAFT_THEN(status, draw_script("water", folder, c->title, definitions, error));
     return status == HAFT_OK ? draw_script(forces ? "contributions" : "humidity", folder, c->title,
                                            definitions, error)
                              : status;
@@ -151,9 +141,7 @@ int draw_sweep(const haft_case *c, double greatest, const char *words, const cha
     haft_error error = {0};
     char folder[PATH_CAPACITY], definitions[512 + DRAW_WORDS_CAPACITY];
     haft_status status = make_out_folder(case_folder, "plots", &error);
-    if (status == HAFT_OK) {
-        status = case_out_path(folder, case_folder, "plots", &error);
-    }
+    HAFT_THEN(status, case_out_path(folder, case_folder, "plots", &error));
     if (status == HAFT_OK) {
         double factor;
         const char *unit = axis_unit(c->sweep.unit[0], greatest, &factor);
@@ -169,12 +157,8 @@ int draw_sweep(const haft_case *c, double greatest, const char *words, const cha
             1.5e27 * c->beam.young_modulus * pow(c->beam.gap, 2) * pow(c->beam.thickness, 3),
             words);
         status = draw_script("sweep", folder, c->title, definitions, &error);
-        if (status == HAFT_OK) {
-            status = draw_shared_surface(c, folder, &error);
-        }
-        if (status == HAFT_OK) {
-            status = draw_humidity(c, folder, definitions, &error);
-        }
+        HAFT_THEN(status, draw_shared_surface(c, folder, &error));
+        HAFT_THEN(status, draw_humidity(c, folder, definitions, &error));
     }
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);
@@ -209,9 +193,7 @@ haft_status read_matching_laws(haft_laws **laws, char built[HAFT_DIGEST_CAPACITY
                                const haft_case *c, const char *path, haft_error *error) {
     char wanted[HAFT_DIGEST_CAPACITY];
     haft_status status = haft_laws_read(laws, built, path, error);
-    if (status == HAFT_OK) {
-        status = haft_laws_identify(wanted, c, (*laws)->origin, error);
-    }
+    HAFT_THEN(status, haft_laws_identify(wanted, c, (*laws)->origin, error));
     if (status == HAFT_OK && strcmp(built, wanted) != 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "%s was built from other inputs than the case has now; run the "
@@ -230,31 +212,17 @@ int draw_case(const haft_case *c, const char *case_folder, long asked, const cha
     haft_results_view *view = NULL;
     size_t realization = 0;
     haft_status status = choose_realization(c, asked, &realization, &error);
-    if (status == HAFT_OK) {
-        status = case_out_path(results, case_folder, "results.h5", &error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(laws_path, case_folder, "laws.h5", &error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(folder, case_folder, "plots", &error);
-    }
-    if (status == HAFT_OK) {
-        status = read_matching_laws(&laws, digest, c, laws_path, &error);
-    }
+    HAFT_THEN(status, case_out_path(results, case_folder, "results.h5", &error));
+    HAFT_THEN(status, case_out_path(laws_path, case_folder, "laws.h5", &error));
+    HAFT_THEN(status, case_out_path(folder, case_folder, "plots", &error));
+    HAFT_THEN(status, read_matching_laws(&laws, digest, c, laws_path, &error));
     if (status == HAFT_OK) {
         status = read_results(&view, c, results, &error);
         haft_results_view_destroy(&view);
     }
-    if (status == HAFT_OK) {
-        status = make_out_folder(case_folder, "plots", &error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_write_figures(c, laws, results, realization, folder, &error);
-    }
-    if (status == HAFT_OK) {
-        status = draw_all(c, laws, folder, reference, &error);
-    }
+    HAFT_THEN(status, make_out_folder(case_folder, "plots", &error));
+    HAFT_THEN(status, haft_study_write_figures(c, laws, results, realization, folder, &error));
+    HAFT_THEN(status, draw_all(c, laws, folder, reference, &error));
     haft_laws_destroy(&laws);
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);

@@ -121,9 +121,7 @@ static haft_status treat_figures(deed what, const char *draft, const char *folde
                            "%s: gnuplot ended well but drew no figure; is the disk full?", folder);
     }
     for (int i = 0; i < n; i++) {
-        if (status == HAFT_OK) {
-            status = treat_figure(what, draft, folder, entry[i]->d_name, error);
-        }
+        HAFT_THEN(status, treat_figure(what, draft, folder, entry[i]->d_name, error));
         free(entry[i]);
     }
     free(entry);
@@ -187,12 +185,8 @@ static haft_status draw(const char *script, const char *folder, const char *draf
                               strerror(errno));
     }
     haft_status status = run(script, folder, all, error);
-    if (status == HAFT_OK) {
-        status = treat_figures(CHECK, draft, folder, error);
-    }
-    if (status == HAFT_OK) {
-        status = treat_figures(PLACE, draft, folder, error);
-    }
+    HAFT_THEN(status, treat_figures(CHECK, draft, folder, error));
+    HAFT_THEN(status, treat_figures(PLACE, draft, folder, error));
     if (status != HAFT_OK) {
         (void)treat_figures(REMOVE, draft, folder, NULL);
     }

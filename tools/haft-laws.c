@@ -154,9 +154,7 @@ static haft_status build(haft_laws **laws, const haft_case *c, const arguments *
                          const char *path, haft_error *error) {
     haft_progress progress = terminal_progress(t);
     haft_status status = prepare(a, path, error);
-    if (status == HAFT_OK) {
-        status = haft_study_build_laws(laws, c, &progress, error);
-    }
+    HAFT_THEN(status, haft_study_build_laws(laws, c, &progress, error));
     return status == HAFT_OK ? save(*laws, c, a, path, error) : status;
 }
 
@@ -170,12 +168,8 @@ static haft_status fit(haft_laws **laws, const haft_case *c, const arguments *a,
     size_t m = 0;
     haft_law_vector *vector = NULL;
     haft_status status = haft_vectors_read(&vector, &m, a->table, error);
-    if (status == HAFT_OK) {
-        status = prepare(a, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_fit_laws(laws, c, m, vector, error);
-    }
+    HAFT_THEN(status, prepare(a, path, error));
+    HAFT_THEN(status, haft_study_fit_laws(laws, c, m, vector, error));
     haft_memory_free(vector);
     return status == HAFT_OK ? save(*laws, c, a, path, error) : status;
 }
@@ -185,9 +179,7 @@ static haft_status read_own(haft_laws **laws, const haft_case *c, const char *pa
                             haft_error *error) {
     char found[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
     haft_status status = haft_laws_read(laws, found, path, error);
-    if (status == HAFT_OK) {
-        status = haft_laws_identify(wanted, c, (*laws)->origin, error);
-    }
+    HAFT_THEN(status, haft_laws_identify(wanted, c, (*laws)->origin, error));
     if (status == HAFT_OK && strcmp(found, wanted) != 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "%s was built from other inputs than the case has now; give "
@@ -207,14 +199,10 @@ static haft_status sample(haft_laws **laws, const haft_case *c, const arguments 
                           const char *path, haft_error *error) {
     char standard[PATH_CAPACITY];
     haft_status status = read_own(laws, c, path, error);
-    if (status == HAFT_OK) {
-        status = case_out_path(standard, a->folder, "sample.csv", error);
-    }
+    HAFT_THEN(status, case_out_path(standard, a->folder, "sample.csv", error));
     const char *output = a->output != NULL ? a->output : standard;
     size_t count = a->count > 0 ? a->count : 1000;
-    if (status == HAFT_OK) {
-        status = haft_study_write_sample(*laws, c, count, output, error);
-    }
+    HAFT_THEN(status, haft_study_write_sample(*laws, c, count, output, error));
     if (status == HAFT_OK && !a->quiet) {
         terminal_print(stdout, "%zu vectors in %s", count, output);
     }
@@ -256,10 +244,7 @@ static bool can_be_meant(const arguments *a, command what) {
 static haft_status carry_out(command what, haft_laws **laws, const haft_case *c, const arguments *a,
                              terminal *t, haft_error *error) {
     char path[PATH_CAPACITY];
-    haft_status status = case_out_path(path, a->folder, "laws.h5", error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(case_out_path(path, a->folder, "laws.h5", error));
     switch (what) {
     case BUILD:
         return build(laws, c, a, t, path, error);
@@ -307,9 +292,7 @@ int main(int argc, char **argv) {
                                 "folder of one, as %s/out/%s (`haft run` makes them)",
                                 a.folder, a.folder, c->sweep.label);
     }
-    if (status == HAFT_OK) {
-        status = carry_out(what, &laws, c, &a, &t, &error);
-    }
+    HAFT_THEN(status, carry_out(what, &laws, c, &a, &t, &error));
     bool makes = what == BUILD || what == FIT;
     if (status == HAFT_OK && (what == INFO || (makes && !a.quiet))) {
         print_laws(laws, c);

@@ -297,9 +297,7 @@ static int command_info(const haft_case *c, const arguments *a, terminal *t) {
     char path[PATH_CAPACITY];
     haft_results_view *view = NULL;
     haft_status status = case_out_path(path, a->folder, "results.h5", &error);
-    if (status == HAFT_OK) {
-        status = read_results(&view, c, path, &error);
-    }
+    HAFT_THEN(status, read_results(&view, c, path, &error));
     if (status == HAFT_OK) {
         print_result(c, view->summary, a->json);
         if (view->rewritten && !a->json) {

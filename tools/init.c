@@ -136,10 +136,7 @@ static haft_status read_beam(init_plan *p, const haft_units *units, const char *
         for (size_t n = strlen(one); n > 0 && one[n - 1] == ' '; n--) {
             one[n - 1] = '\0';
         }
-        haft_status status = read_quantity(side[k], units, "beam", one, "m", BEAM_STANDARD, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(read_quantity(side[k], units, "beam", one, "m", BEAM_STANDARD, error));
         at = cross + 1;
     }
     if (p->thickness >= p->length || p->width >= p->length) {
@@ -192,13 +189,9 @@ static haft_status read_roughness(init_plan *p, const haft_units *units, haft_er
     }
     haft_roughness *r = &p->roughness;
     haft_status status = read_quantity(&r->rms, units, "rms", w->rms, "m", "5 nm", error);
-    if (status == HAFT_OK) {
-        status = read_quantity(&r->correlation_length, units, "correlation-length",
-                               w->correlation_length, "m", "200 nm", error);
-    }
-    if (status == HAFT_OK) {
-        status = read_quantity(&r->hurst, units, "hurst", w->hurst, "1", "0.8", error);
-    }
+    HAFT_THEN(status, read_quantity(&r->correlation_length, units, "correlation-length",
+                                    w->correlation_length, "m", "200 nm", error));
+    HAFT_THEN(status, read_quantity(&r->hurst, units, "hurst", w->hurst, "1", "0.8", error));
     r->zeta_max = 2 * M_PI * WAVES_A_LENGTH / r->correlation_length;
     if (status == HAFT_OK && w->zeta_max != NULL) {
         status = read_quantity(&r->zeta_max, units, "zeta-max", w->zeta_max, "rad/m", "289 rad/um",
@@ -216,24 +209,16 @@ haft_status init_understand(init_plan *p, const init_words *words, const char *f
                      .skewness = NAN,
                      .kurtosis = NAN};
     haft_status status = inspect_read_words(&p->wishes, &words->read, error);
-    if (status == HAFT_OK) {
-        status = haft_units_create(&units, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_roughness(p, units, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_beam(p, units, words->beam != NULL ? words->beam : BEAM_STANDARD, error);
-    }
-    if (status == HAFT_OK) {
-        status =
-            read_quantity(&p->gap, units, "gap", words->gap != NULL ? words->gap : GAP_STANDARD,
-                          "m", GAP_STANDARD, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_humidity(
-            p, units, words->humidity != NULL ? words->humidity : HUMIDITY_STANDARD, error);
-    }
+    HAFT_THEN(status, haft_units_create(&units, error));
+    HAFT_THEN(status, read_roughness(p, units, error));
+    HAFT_THEN(status,
+              read_beam(p, units, words->beam != NULL ? words->beam : BEAM_STANDARD, error));
+    HAFT_THEN(status,
+              read_quantity(&p->gap, units, "gap", words->gap != NULL ? words->gap : GAP_STANDARD,
+                            "m", GAP_STANDARD, error));
+    HAFT_THEN(status,
+              read_humidity(p, units, words->humidity != NULL ? words->humidity : HUMIDITY_STANDARD,
+                            error));
     haft_units_destroy(&units);
     return status;
 }
@@ -277,15 +262,9 @@ int init_case(const init_words *words, const char *folder, size_t beams, termina
     init_plan p;
     haft_error error = {0};
     haft_status status = init_understand(&p, words, folder, beams, &error);
-    if (status == HAFT_OK) {
-        status = init_find_room(folder, &error);
-    }
-    if (status == HAFT_OK) {
-        status = init_choose(&p, &error);
-    }
-    if (status == HAFT_OK) {
-        status = init_save(&p, &error);
-    }
+    HAFT_THEN(status, init_find_room(folder, &error));
+    HAFT_THEN(status, init_choose(&p, &error));
+    HAFT_THEN(status, init_save(&p, &error));
     if (status != HAFT_OK) {
         return terminal_fail(t, status, &error);
     }

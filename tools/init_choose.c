@@ -37,9 +37,7 @@ static haft_status read_face(haft_psd_table **psd, init_plan *p, size_t n, const
         p->skewness = s.skewness;
         p->kurtosis = s.kurtosis;
     }
-    if (status == HAFT_OK) {
-        status = haft_psd_estimate(psd, n, view, p->wishes.window, error);
-    }
+    HAFT_THEN(status, haft_psd_estimate(psd, n, view, p->wishes.window, error));
     if (status == HAFT_OK && p->wishes.tip_radius > 0) {
         status = haft_psd_table_cut(*psd, haft_psd_tip_limit(*psd, p->wishes.tip_radius), error);
     }
@@ -55,9 +53,7 @@ static haft_status look_at_maps(init_plan *p, haft_error *error) {
     haft_status status = read_face(&psd, p, w->maps, w->map, true, error);
     if (status == HAFT_OK && w->opposite_maps > 0) {
         status = read_face(&other, p, w->opposite_maps, w->opposite_map, false, error);
-        if (status == HAFT_OK) {
-            status = haft_psd_combine(&both, psd, other, 0, error);
-        }
+        HAFT_THEN(status, haft_psd_combine(&both, psd, other, 0, error));
     }
     if (status == HAFT_OK) {
         const haft_psd_table *t = both != NULL ? both : psd;
@@ -292,9 +288,7 @@ haft_status init_choose(init_plan *p, haft_error *error) {
     haft_case *c = NULL;
     reach r = {0};
     haft_status status = look_at_surface(p, error);
-    if (status == HAFT_OK) {
-        status = choose_grid(p, error);
-    }
+    HAFT_THEN(status, choose_grid(p, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -306,15 +300,9 @@ haft_status init_choose(init_plan *p, haft_error *error) {
     p->gap = fmax(gap, 2 * p->to);
     status = init_try(&c, p, error);
     p->gap = gap;
-    if (status == HAFT_OK) {
-        status = choose_tolerance(p, c, error);
-    }
-    if (status == HAFT_OK) {
-        status = find_reach(&r, p, c, error);
-    }
-    if (status == HAFT_OK) {
-        status = choose_distances(p, &r, error);
-    }
+    HAFT_THEN(status, choose_tolerance(p, c, error));
+    HAFT_THEN(status, find_reach(&r, p, c, error));
+    HAFT_THEN(status, choose_distances(p, &r, error));
     if (status == HAFT_OK) {
         choose_load(p, c, r.energy);
     }

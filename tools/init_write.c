@@ -109,9 +109,7 @@ static haft_status write_maps(FILE *stream, const init_plan *p, bool absolute, h
                        .channel = w->read.channel != NULL ? w->read.channel : "",
                        .grid_step = p->grid_step,
                        .kernel_tolerance = p->kernel_tolerance};
-    if (status == HAFT_OK) {
-        status = inspect_print_block(stream, &b, error);
-    }
+    HAFT_THEN(status, inspect_print_block(stream, &b, error));
     free_paths(path, w);
     write_line(stream, "heights as normal; heights: as the map's", "  marginal: gaussian");
     return status;
@@ -268,9 +266,7 @@ static haft_status copy_map(bool *made, const init_plan *p, size_t k, haft_error
     name_copy(name, w, k);
     *made = false;
     haft_status status = case_path(to, p->folder, name, error);
-    if (status == HAFT_OK) {
-        status = haft_file_read(&bytes, &size, from, SIZE_MAX / 2, error);
-    }
+    HAFT_THEN(status, haft_file_read(&bytes, &size, from, SIZE_MAX / 2, error));
     if (status == HAFT_OK) {
         bool same = haft_file_read(&there, &other, to, SIZE_MAX / 2, NULL) == HAFT_OK &&
                     other == size && memcmp(there, bytes, size) == 0;
@@ -302,12 +298,8 @@ static haft_status put_case(const init_plan *p, haft_error *error) {
     size_t size = 0;
     haft_case *c = NULL;
     haft_status status = make_text(&text, &size, p, false, error);
-    if (status == HAFT_OK) {
-        status = case_path(path, p->folder, "case.yaml", error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_io_write(path, text, size, error);
-    }
+    HAFT_THEN(status, case_path(path, p->folder, "case.yaml", error));
+    HAFT_THEN(status, haft_io_write(path, text, size, error));
     free(text);
     if (status == HAFT_OK) {
         status = haft_case_read(&c, path, error);
@@ -330,9 +322,7 @@ haft_status init_save(const init_plan *p, haft_error *error) {
     for (; done < n && status == HAFT_OK; done++) {
         status = copy_map(&made[done], p, done, error);
     }
-    if (status == HAFT_OK) {
-        status = put_case(p, error);
-    }
+    HAFT_THEN(status, put_case(p, error));
     for (size_t k = 0; k < done && status != HAFT_OK; k++) {
         if (made[k]) {
             remove_copy(p, k);

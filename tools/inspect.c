@@ -56,29 +56,15 @@ haft_status inspect_read_words(inspect_wishes *w, const inspect_words *words, ha
                   .window = HAFT_WINDOW_HANN};
     int level = HAFT_LEVEL_PLANE, window = HAFT_WINDOW_HANN, missing = HAFT_MISSING_EXCLUDE;
     haft_status status = haft_units_create(&units, error);
-    if (status == HAFT_OK) {
-        status = choose(&level, "level", words->level, levels, error);
-    }
-    if (status == HAFT_OK) {
-        status = choose(&window, "window", words->window, windows, error);
-    }
-    if (status == HAFT_OK) {
-        status = choose(&missing, "missing", words->missing, treatments, error);
-    }
-    if (status == HAFT_OK) {
-        status = words_read_size(size, units, words->size, error);
-    }
-    if (status == HAFT_OK) {
-        status = words_read_unit(&w->options.unit, units, "unit", words->unit, error);
-    }
-    if (status == HAFT_OK) {
-        status = words_read_unit(&w->options.lateral_unit, units, "lateral-unit",
-                                 words->lateral_unit, error);
-    }
-    if (status == HAFT_OK) {
-        status = words_read_length(&w->tip_radius, units, "tip-radius", words->tip_radius,
-                                   "\"8 nm\"", error);
-    }
+    HAFT_THEN(status, choose(&level, "level", words->level, levels, error));
+    HAFT_THEN(status, choose(&window, "window", words->window, windows, error));
+    HAFT_THEN(status, choose(&missing, "missing", words->missing, treatments, error));
+    HAFT_THEN(status, words_read_size(size, units, words->size, error));
+    HAFT_THEN(status, words_read_unit(&w->options.unit, units, "unit", words->unit, error));
+    HAFT_THEN(status, words_read_unit(&w->options.lateral_unit, units, "lateral-unit",
+                                      words->lateral_unit, error));
+    HAFT_THEN(status, words_read_length(&w->tip_radius, units, "tip-radius", words->tip_radius,
+                                        "\"8 nm\"", error));
     if (status == HAFT_OK && words->outliers != NULL) {
         double limit = 0;
         if (haft_number_read(words->outliers, &limit) && limit >= 1) {
@@ -107,17 +93,10 @@ static haft_status pass_on_memory(haft_status status, const haft_error *why_not,
 }
 
 static haft_status find_out(findings *f, const char *path, const wishes *w, haft_error *error) {
-    haft_status status = haft_map_read(&f->map, path, &w->options, NULL, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    status = haft_map_clean(f->map, &w->clean, &f->clean, error);
-    if (status == HAFT_OK) {
-        status = haft_map_get_statistics(&f->statistics, f->map, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_map_get_texture(&f->texture, f->map, error);
-    }
+    HAFT_TRY(haft_map_read(&f->map, path, &w->options, NULL, error));
+    haft_status status = haft_map_clean(f->map, &w->clean, &f->clean, error);
+    HAFT_THEN(status, haft_map_get_statistics(&f->statistics, f->map, error));
+    HAFT_THEN(status, haft_map_get_texture(&f->texture, f->map, error));
     if (status != HAFT_OK) {
         haft_error_prefix(error, "%s: ", path);
         return status;
@@ -293,9 +272,7 @@ static haft_status save_heights(const haft_map *map, const char *folder, haft_er
         {.name = "y [um]", .value = data + 1, .stride = 3, .factor = 1e6},
         {.name = "z [nm]", .value = data + 2, .stride = 3, .factor = 1e9}};
     haft_status status = haft_path_join(path, sizeof path, folder, "map.csv", error);
-    if (status == HAFT_OK) {
-        status = haft_csv_write(path, rows * columns, 3, column, error);
-    }
+    HAFT_THEN(status, haft_csv_write(path, rows * columns, 3, column, error));
     haft_memory_free(data);
     return status;
 }
@@ -344,9 +321,7 @@ static haft_status save_psd(const findings *f, const char *folder, haft_error *e
         {.name = "relative error", .value = data},
         {.name = "fit [nm^4]", .value = data + n, .factor = 1e36}};
     haft_status status = haft_path_join(path, sizeof path, folder, "psd.csv", error);
-    if (status == HAFT_OK) {
-        status = haft_csv_write(path, n, 4, column, error);
-    }
+    HAFT_THEN(status, haft_csv_write(path, n, 4, column, error));
     haft_memory_free(data);
     return status;
 }
@@ -358,12 +333,8 @@ static haft_status draw_findings(const char *path, const findings *f, const char
                               strerror(errno));
     }
     haft_status status = save_heights(f->map, folder, error);
-    if (status == HAFT_OK) {
-        status = save_histogram(f, folder, error);
-    }
-    if (status == HAFT_OK) {
-        status = save_psd(f, folder, error);
-    }
+    HAFT_THEN(status, save_histogram(f, folder, error));
+    HAFT_THEN(status, save_psd(f, folder, error));
     if (status == HAFT_OK) {
         const char *name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
         char definitions[128];
@@ -400,9 +371,7 @@ haft_status inspect_map(const char *path, const inspect_words *words, const char
     snprintf(standard, sizeof standard, "%.255s.inspect", name);
     folder = folder != NULL ? folder : standard;
     haft_status status = inspect_read_words(&w, words, error);
-    if (status == HAFT_OK) {
-        status = find_out(&f, path, &w, error);
-    }
+    HAFT_THEN(status, find_out(&f, path, &w, error));
     if (status == HAFT_OK) {
         print_findings(path, &f, &w);
         status = draw_findings(path, &f, folder, error);

@@ -380,11 +380,8 @@ static haft_status read_source(source *s, long asked, haft_error *error) {
 static haft_status read_budget(source *s, haft_error *error) {
     char path[PATH_CAPACITY];
     haft_error own = {0};
-    haft_status status = case_out_path(path, s->folder, "budget.csv", error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    status = haft_study_read_budget(&s->budget, s->c, path, &own);
+    HAFT_TRY(case_out_path(path, s->folder, "budget.csv", error));
+    haft_status status = haft_study_read_budget(&s->budget, s->c, path, &own);
     s->has_budget = status == HAFT_OK;
     s->no_budget = status == HAFT_ERROR_INPUT
                        ? "There is one, but of another case, or damaged: measure it anew with "
@@ -395,10 +392,7 @@ static haft_status read_budget(source *s, haft_error *error) {
 
 static haft_status write_page(const source *s, const char *path, haft_error *error) {
     page p;
-    haft_status status = page_open(&p, s->c->title[0] != '\0' ? s->c->title : s->c->name, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(page_open(&p, s->c->title[0] != '\0' ? s->c->title : s->c->name, error));
     write_question(&p, s);
     write_headline(&p, s);
     write_findings(&p, s);
@@ -414,12 +408,8 @@ int report_case(const haft_case *c, const char *folder, long asked, terminal *t)
     source s = {.c = c, .folder = folder};
     char path[PATH_CAPACITY];
     haft_status status = read_source(&s, asked, &error);
-    if (status == HAFT_OK) {
-        status = read_budget(&s, &error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(path, folder, "report.html", &error);
-    }
+    HAFT_THEN(status, read_budget(&s, &error));
+    HAFT_THEN(status, case_out_path(path, folder, "report.html", &error));
     if (status == HAFT_OK) {
         terminal silent = *t;
         silent.quiet = true;

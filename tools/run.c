@@ -27,24 +27,14 @@ static haft_status save_companions(void *user, const haft_summary *summary, cons
     const char *folder = r->folder;
     char path[PATH_CAPACITY];
     haft_status status = companion(path, folder, "resolved.yaml", error);
-    if (status == HAFT_OK) {
-        status = haft_case_write(c, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = companion(path, folder, "laws.csv", error);
-    }
+    HAFT_THEN(status, haft_case_write(c, path, error));
+    HAFT_THEN(status, companion(path, folder, "laws.csv", error));
     if (status == HAFT_OK && laws != NULL) {
         status = save_laws_table(laws, folder, error);
     }
-    if (status == HAFT_OK) {
-        status = companion(path, folder, "summary.csv", error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_write_summary(summary, c->realizations, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = companion(path, folder, "convergence.csv", error);
-    }
+    HAFT_THEN(status, companion(path, folder, "summary.csv", error));
+    HAFT_THEN(status, haft_study_write_summary(summary, c->realizations, path, error));
+    HAFT_THEN(status, companion(path, folder, "convergence.csv", error));
     return status == HAFT_OK
                ? haft_study_write_convergence(c, summary, c->realizations, path, error)
                : status;
@@ -90,12 +80,8 @@ static haft_status prepare_run(run_paths *paths, haft_summary **summary, const h
         return HAFT_ERROR_MEMORY;
     }
     haft_status status = case_out_path(paths->results, folder, "results.h5", error);
-    if (status == HAFT_OK) {
-        status = case_out_path(paths->laws, folder, "laws.h5", error);
-    }
-    if (status == HAFT_OK) {
-        status = case_out_path(paths->parts, folder, "parts", error);
-    }
+    HAFT_THEN(status, case_out_path(paths->laws, folder, "laws.h5", error));
+    HAFT_THEN(status, case_out_path(paths->parts, folder, "parts", error));
     return status == HAFT_OK && haft_study_rank() == 0 ? make_out_folder(folder, NULL, error)
                                                        : status;
 }

@@ -39,15 +39,11 @@ static haft_status open_sweep(sweep *s, const haft_case *first, const char *fold
                  .variant = haft_memory_alloc(n, sizeof *s->variant, error),
                  .inputs = haft_memory_alloc(n, sizeof *s->inputs, error)};
     haft_status status = s->c && s->variant && s->inputs ? HAFT_OK : HAFT_ERROR_MEMORY;
-    if (status == HAFT_OK) {
-        status = case_path(path, folder, "case.yaml", error);
-    }
+    HAFT_THEN(status, case_path(path, folder, "case.yaml", error));
     for (size_t i = 0; i < n && status == HAFT_OK; i++) {
         status = haft_case_read_variant(&s->c[i], path, i, error);
         s->variant[i].c = s->c[i];
-        if (status == HAFT_OK) {
-            status = haft_case_laws_digest(s->c[i], s->inputs[i], error);
-        }
+        HAFT_THEN(status, haft_case_laws_digest(s->c[i], s->inputs[i], error));
     }
     if (status != HAFT_OK) {
         close_sweep(s);
@@ -146,9 +142,7 @@ static haft_status write_variant(const haft_case *c, const char *path, haft_run_
                                  haft_error *error) {
     char file[PATH_CAPACITY], *text = NULL;
     haft_status status = case_path(file, path, "case.yaml", error);
-    if (status == HAFT_OK) {
-        status = haft_case_emit(&text, c, error);
-    }
+    HAFT_THEN(status, haft_case_emit(&text, c, error));
     if (status == HAFT_OK && !holds(file, text)) {
         status =
             mode != HAFT_RUN_ANEW && access(file, F_OK) == 0
@@ -170,12 +164,8 @@ static haft_status make_variant(const sweep *s, size_t i, const char *folder, ha
         return status;
     }
     status = make_out_folder(folder, s->c[i]->sweep.label, error);
-    if (status == HAFT_OK) {
-        status = write_variant(s->c[i], path, mode, error);
-    }
-    if (status == HAFT_OK) {
-        status = make_out_folder(path, NULL, error);
-    }
+    HAFT_THEN(status, write_variant(s->c[i], path, mode, error));
+    HAFT_THEN(status, make_out_folder(path, NULL, error));
     if (status == HAFT_OK) {
         take_over_laws(s, i, folder);
     }
@@ -394,12 +384,8 @@ static haft_status gather(sweep *s, const char *folder, haft_error *error) {
     for (size_t i = 0; i < s->variants && status == HAFT_OK; i++) {
         haft_results_view *view = NULL;
         status = variant_folder(path, folder, s->c[i], error);
-        if (status == HAFT_OK) {
-            status = case_out_path(results, path, "results.h5", error);
-        }
-        if (status == HAFT_OK) {
-            status = read_results(&view, s->c[i], results, error);
-        }
+        HAFT_THEN(status, case_out_path(results, path, "results.h5", error));
+        HAFT_THEN(status, read_results(&view, s->c[i], results, error));
         if (status == HAFT_OK) {
             s->variant[i].statistics =
                 haft_study_statistics(s->c[i], view->summary, view->realizations);
@@ -440,9 +426,7 @@ int plot_sweep(const haft_case *c, const char *folder, terminal *t) {
     haft_status status = open_sweep(&s, c, folder, &error);
     if (status == HAFT_OK) {
         status = gather(&s, folder, &error);
-        if (status == HAFT_OK) {
-            status = save_table(&s, folder, &error);
-        }
+        HAFT_THEN(status, save_table(&s, folder, &error));
         for (size_t i = 0; i < s.variants; i++) {
             greatest = fmax(greatest, s.c[i]->sweep.value[0]);
         }

@@ -200,14 +200,10 @@ static haft_status make_folder(const char *path, haft_error *error) {
 haft_status make_out_folder(const char *folder, const char *name, haft_error *error) {
     char path[PATH_CAPACITY];
     haft_status status = case_path(path, folder, "out", error);
-    if (status == HAFT_OK) {
-        status = make_folder(path, error);
-    }
+    HAFT_THEN(status, make_folder(path, error));
     if (status == HAFT_OK && name != NULL) {
         status = case_out_path(path, folder, name, error);
-        if (status == HAFT_OK) {
-            status = make_folder(path, error);
-        }
+        HAFT_THEN(status, make_folder(path, error));
     }
     return status;
 }
@@ -222,10 +218,7 @@ void drop_empty_out_folder(const char *folder) {
 haft_status read_case(haft_case **out, const char *folder, haft_error *error) {
     char path[PATH_CAPACITY];
     struct stat found;
-    haft_status status = case_path(path, folder, "case.yaml", error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(case_path(path, folder, "case.yaml", error));
     if (stat(folder, &found) != 0) {
         return haft_error_set(error, HAFT_ERROR_IO, "%s: %s; give the folder of a case", folder,
                               strerror(errno));
@@ -260,9 +253,7 @@ haft_status read_own_results(haft_results_view **out, const haft_case *c, const 
                              haft_error *error) {
     char *text = NULL;
     haft_status status = read_results(out, c, path, error);
-    if (status == HAFT_OK) {
-        status = haft_case_emit(&text, c, error);
-    }
+    HAFT_THEN(status, haft_case_emit(&text, c, error));
     if (status == HAFT_OK && strcmp(text, (*out)->resolved_case) != 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "%s is of another case than there is now; run it again with "

@@ -91,6 +91,15 @@ typedef enum haft_status {
         }                                                                                          \
     } while (0)
 
+/** The next step of a function that frees what it owns at its end: a call that is made only while
+ *  `status` is HAFT_OK, and sets it. */
+#define HAFT_THEN(status, call)                                                                    \
+    do {                                                                                           \
+        if ((status) == HAFT_OK) {                                                                 \
+            (status) = (call);                                                                     \
+        }                                                                                          \
+    } while (0)
+
 /** Capacity of an error message; longer ones are cut, and end in "...". */
 #define HAFT_ERROR_CAPACITY 4096
 

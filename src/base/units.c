@@ -345,9 +345,7 @@ haft_status haft_units_parse(const haft_units *units, const char *text, const ch
     double result = number;
     if (length > 0) {
         status = check_unit(given, text, unit, error);
-        if (status == HAFT_OK) {
-            status = convert(units, number, given, text, unit, &result, error);
-        }
+        HAFT_THEN(status, convert(units, number, given, text, unit, &result, error));
     }
     if (status == HAFT_OK && !isfinite(result)) {
         status =

@@ -84,11 +84,8 @@ static haft_status place_nodes(double **out, size_t *count, const haft_beam_spec
                                const haft_mesh_spec *mesh, size_t sites, haft_error *error) {
     size_t elements = 0;
     if (mesh->kind == HAFT_MESH_UNIFORM) {
-        haft_status status =
-            count_divisions(beam->length, mesh->element_length, "element_length", &elements, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(count_divisions(beam->length, mesh->element_length, "element_length", &elements,
+                                 error));
     }
     double *x = haft_memory_alloc(elements + sites + 3, sizeof *x, error);
     size_t inert = haft_mesh_inert_sites(beam, mesh);
@@ -259,10 +256,7 @@ static haft_site make_load(const beam_parts *parts, const haft_beam_spec *beam, 
 
 static haft_status build(haft_model **out, const haft_beam_spec *beam, const haft_mesh_spec *mesh,
                          size_t sites, size_t nodes, beam_parts *parts, haft_error *error) {
-    haft_status status = allocate_parts(parts, nodes, sites, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(allocate_parts(parts, nodes, sites, error));
     bool uniform = mesh->kind == HAFT_MESH_UNIFORM;
     double pitch = beam->length / (double)(uniform ? nodes - 1 : sites);
     scale_nodes(parts, nodes, pitch, beam->gap);
@@ -286,7 +280,7 @@ static haft_status build(haft_model **out, const haft_beam_spec *beam, const haf
         .site = parts->site,
         .load = make_load(parts, beam, nodes, mesh->load_position, pitch),
     };
-    status = haft_model_create(out, &assembled, error);
+    haft_status status = haft_model_create(out, &assembled, error);
     if (status == HAFT_OK) {
         (*out)->data.nodes = nodes;
         (*out)->data.node_x = parts->x;
@@ -300,9 +294,7 @@ static haft_status create_mesh(haft_model **out, const haft_beam_spec *beam,
     size_t nodes = 0;
     beam_parts parts = {0};
     haft_status status = place_nodes(&parts.x, &nodes, beam, mesh, sites, error);
-    if (status == HAFT_OK) {
-        status = build(out, beam, mesh, sites, nodes, &parts, error);
-    }
+    HAFT_THEN(status, build(out, beam, mesh, sites, nodes, &parts, error));
     free_parts(&parts);
     return status;
 }
@@ -318,10 +310,7 @@ static haft_status add_shorter(haft_model *model, const haft_beam_spec *beam,
             break;
         }
         shorter.active_from = beam->length * (double)(sites - active) / (double)sites;
-        haft_status status = create_mesh(&last->shorter, beam, &shorter, sites, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(create_mesh(&last->shorter, beam, &shorter, sites, error));
     }
     return HAFT_OK;
 }
@@ -348,12 +337,8 @@ haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
     }
     size_t sites = 0;
     haft_status status = count_divisions(beam->length, mesh->l_meso, "l_meso", &sites, error);
-    if (status == HAFT_OK) {
-        status = check_fineness(beam, mesh, error);
-    }
-    if (status == HAFT_OK) {
-        status = create_mesh(out, beam, mesh, sites, error);
-    }
+    HAFT_THEN(status, check_fineness(beam, mesh, error));
+    HAFT_THEN(status, create_mesh(out, beam, mesh, sites, error));
     if (status == HAFT_OK && mesh->kind == HAFT_MESH_ACTIVE) {
         status = add_shorter(*out, beam, mesh, error);
     }

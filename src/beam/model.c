@@ -177,10 +177,7 @@ static haft_status copy_parts(haft_model *model, const haft_model_parts *parts, 
 }
 
 static haft_status fill_model(haft_model *model, haft_error *error) {
-    haft_status status = make_pattern(model, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(make_pattern(model, error));
     model->data.stiffness = haft_memory_alloc(model->data.nonzeros, sizeof(double), error);
     model->data.mass = haft_memory_alloc(model->data.nonzeros, sizeof(double), error);
     model->element_slot = haft_memory_alloc(model->data.elements * ENTRIES, sizeof(int), error);
@@ -225,18 +222,13 @@ static haft_status check_parts(const haft_model_parts *parts, haft_error *error)
 
 haft_status haft_model_create(haft_model **out, const haft_model_parts *parts, haft_error *error) {
     *out = NULL;
-    haft_status status = check_parts(parts, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(check_parts(parts, error));
     haft_model *model = haft_memory_alloc(1, sizeof *model, error);
     if (model == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    status = copy_parts(model, parts, error);
-    if (status == HAFT_OK) {
-        status = fill_model(model, error);
-    }
+    haft_status status = copy_parts(model, parts, error);
+    HAFT_THEN(status, fill_model(model, error));
     if (status != HAFT_OK) {
         haft_model_destroy(&model);
         return status;

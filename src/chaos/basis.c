@@ -206,10 +206,7 @@ static haft_status make_rule(haft_chaos_germ germ, size_t order, size_t points, 
     double x[HAFT_CHAOS_POINTS_LIMIT], weight[HAFT_CHAOS_POINTS_LIMIT];
     double psi[HAFT_CHAOS_POINTS_LIMIT + 1];
     chaos_recurrence r;
-    haft_status status = haft_chaos_gauss(germ, points, x, weight, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_chaos_gauss(germ, points, x, weight, error));
     haft_chaos_recurrence(germ, &r);
     for (size_t k = 0; k < points; k++) {
         haft_chaos_recur(&r, order, x[k], psi);

@@ -139,10 +139,7 @@ haft_status haft_laws_select(haft_laws **out, const haft_laws *laws, size_t firs
     for (size_t i = 0; i < count; i++) {
         curves += keep[i] && haft_laws_curve(laws, first + i) != NULL;
     }
-    haft_status status = haft_laws_create_sparse(out, count, curves, n, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_laws_create_sparse(out, count, curves, n, error));
     haft_laws *set = *out;
     set->sites = count;
     set->first_site = laws->first_site + first % laws->sites;
@@ -186,11 +183,8 @@ haft_status haft_laws_join(haft_laws **out, haft_laws **set, size_t count, haft_
         curves += set[k]->curves;
         m += set[k]->m;
     }
-    haft_status status = count == 0 ? haft_error_set(error, HAFT_ERROR_ARGUMENT, "no laws to join")
-                                    : haft_laws_create_sparse(out, m, curves, set[0]->n, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(count == 0 ? haft_error_set(error, HAFT_ERROR_ARGUMENT, "no laws to join")
+                        : haft_laws_create_sparse(out, m, curves, set[0]->n, error));
     haft_laws *laws = *out;
     laws->sites = set[0]->m;
     laws->first_site = set[0]->first_site;

@@ -87,9 +87,7 @@ static haft_status measure_own(const haft_chaos *chaos, haft_chaos_errors *error
         value[i] = haft_memory_alloc(haft_chaos_grid_size(p->points, i), sizeof(double), error);
         status = value[i] == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
     }
-    if (status == HAFT_OK) {
-        status = haft_chaos_map_grid(chaos, p->points, value, error);
-    }
+    HAFT_THEN(status, haft_chaos_map_grid(chaos, p->points, value, error));
     if (status == HAFT_OK) {
         for (size_t i = 0; i < p->components; i++) {
             sum_level(chaos, x, weight, value[i], i, &s);
@@ -249,12 +247,8 @@ haft_status haft_chaos_measure(const haft_chaos *chaos, const haft_chaos_effort 
                               maps, samples, HAFT_CHAOS_GRID_LIMIT);
     }
     haft_status status = measure_own(chaos, errors, error);
-    if (status == HAFT_OK) {
-        status = measure_independent(chaos, maps, errors, error);
-    }
-    if (status == HAFT_OK) {
-        status = measure_marginals(chaos, samples, errors, error);
-    }
+    HAFT_THEN(status, measure_independent(chaos, maps, errors, error));
+    HAFT_THEN(status, measure_marginals(chaos, samples, errors, error));
     measure_variance(chaos, errors);
     return status;
 }

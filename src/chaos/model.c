@@ -238,9 +238,7 @@ static haft_status identify(haft_chaos *c, haft_error *error) {
         value[i] = haft_memory_alloc(haft_chaos_grid_size(p->points, i), sizeof(double), error);
         status = value[i] == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
     }
-    if (status == HAFT_OK) {
-        status = haft_chaos_map_grid(c, p->points, value, error);
-    }
+    HAFT_THEN(status, haft_chaos_map_grid(c, p->points, value, error));
     for (size_t i = 0; i < p->components && status == HAFT_OK; i++) {
         status = haft_chaos_project(p->germ, i + 1, p->order, p->points, value[i], c->compact[i], 1,
                                     error);
@@ -262,15 +260,9 @@ static haft_status settle_parts(size_t m, const haft_law_vector *vector,
                                 .germ = spec->germ,
                                 .order = spec->order,
                                 .points = spec->points == 0 ? spec->order + 1 : spec->points};
-    haft_status status = standardise(m, vector, parts, q, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(standardise(m, vector, parts, q, error));
     haft_chaos_principal(m, q, parts);
-    status = choose_components(spec, parts, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(choose_components(spec, parts, error));
     size_t g = parts->components;
     if (haft_chaos_grid_size(parts->points, g - 1) > HAFT_CHAOS_GRID_LIMIT) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
@@ -299,9 +291,7 @@ haft_status haft_chaos_create(haft_chaos **out, size_t m, const haft_law_vector 
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%zu law vectors; %u are the most", m,
                                 UINT32_MAX);
     }
-    if (status == HAFT_OK) {
-        status = check_vectors(m, vector, spec, error);
-    }
+    HAFT_THEN(status, check_vectors(m, vector, spec, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -309,9 +299,7 @@ haft_status haft_chaos_create(haft_chaos **out, size_t m, const haft_law_vector 
     haft_chaos *c = NULL;
     double *q = haft_memory_alloc(m * N, sizeof *q, error);
     status = q == NULL ? HAFT_ERROR_MEMORY : settle_parts(m, vector, spec, &parts, q, error);
-    if (status == HAFT_OK) {
-        status = haft_chaos_alloc(&c, &parts, error);
-    }
+    HAFT_THEN(status, haft_chaos_alloc(&c, &parts, error));
     if (status == HAFT_OK) {
         memcpy(c->vector, vector, m * sizeof *vector);
         for (size_t k = 0; k < m; k++) {
@@ -320,9 +308,7 @@ haft_status haft_chaos_create(haft_chaos **out, size_t m, const haft_law_vector 
         status = haft_chaos_place_kernels(c, error);
     }
     haft_memory_free(q);
-    if (status == HAFT_OK) {
-        status = identify(c, error);
-    }
+    HAFT_THEN(status, identify(c, error));
     if (status != HAFT_OK) {
         haft_chaos_destroy(&c);
     }

@@ -183,21 +183,11 @@ haft_status haft_chaos_create_from_parts(haft_chaos **out, const haft_chaos_part
     haft_chaos *c = NULL;
     *out = NULL;
     haft_status status = check_sizes(parts, error);
-    if (status == HAFT_OK) {
-        status = check_scalars(parts, error);
-    }
-    if (status == HAFT_OK) {
-        status = check_eigenvectors(parts, error);
-    }
-    if (status == HAFT_OK) {
-        status = check_data(parts, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_chaos_alloc(&c, parts, error);
-    }
-    if (status == HAFT_OK) {
-        status = check_expansion(c, parts, error);
-    }
+    HAFT_THEN(status, check_scalars(parts, error));
+    HAFT_THEN(status, check_eigenvectors(parts, error));
+    HAFT_THEN(status, check_data(parts, error));
+    HAFT_THEN(status, haft_chaos_alloc(&c, parts, error));
+    HAFT_THEN(status, check_expansion(c, parts, error));
     if (status == HAFT_OK) {
         size_t g = parts->components;
         memcpy(c->vector, parts->vector, parts->m * sizeof *c->vector);

@@ -69,15 +69,12 @@ haft_status haft_chaos_map_grid(const haft_chaos *chaos, size_t points,
                                 double *const value[HAFT_CHAOS_DIMENSION], haft_error *error) {
     grid g = {.chaos = chaos, .points = points, .value = value};
     double x[HAFT_CHAOS_POINTS_LIMIT], weight[HAFT_CHAOS_POINTS_LIMIT];
-    haft_status status = haft_chaos_gauss(chaos->parts.germ, points, x, weight, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_chaos_gauss(chaos->parts.germ, points, x, weight, error));
     for (size_t k = 0; k < points; k++) {
         haft_chaos_germ_cdf(chaos->parts.germ, x[k], &g.p[k], &g.q[k]);
     }
     chaos_crew crew;
-    status = haft_chaos_crew_init(&crew, chaos, error);
+    haft_status status = haft_chaos_crew_init(&crew, chaos, error);
     for (size_t i = 0; i < chaos->parts.components && status == HAFT_OK; i++) {
         map_level(&g, &crew, i);
     }

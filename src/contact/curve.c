@@ -294,11 +294,8 @@ static haft_status make_alike(haft_contact_work *work, const request *q, size_t 
     const haft_patch *patch = q->patch;
     haft_adhesion adhesion = {0};
     if (spec->has_vdw) {
-        haft_status status = haft_adhesion_make(&adhesion, spec, (double)patch->rows,
-                                                (double)patch->columns, patch->step, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(haft_adhesion_make(&adhesion, spec, (double)patch->rows, (double)patch->columns,
+                                    patch->step, error));
     }
     bool summits = spec->asperities == HAFT_ASPERITY_SUMMITS;
     size_t n = q->curve[first].n, above = 0, row = 0, wet = set_up_wet(work, q, first);
@@ -351,9 +348,7 @@ haft_status haft_contact_curves(haft_contact_work *work, size_t n, const haft_co
         status = check(work, &spec[i], &patch, &curve[i], error);
         levels = curve[i].n > levels ? curve[i].n : levels;
     }
-    if (status == HAFT_OK) {
-        status = make_room(work, n, levels, error);
-    }
+    HAFT_THEN(status, make_room(work, n, levels, error));
     for (size_t i = 0; i < n && status == HAFT_OK; i++) {
         if (!is_made(&q, i)) {
             status = make_alike(work, &q, i, error);

@@ -139,10 +139,7 @@ haft_status haft_maugis_limits(haft_maugis_range *out, double lambda, haft_error
 haft_status haft_maugis_solve(haft_maugis *out, double lambda, double approach, haft_vdw_path path,
                               haft_error *error) {
     haft_maugis_range range;
-    haft_status status = haft_maugis_limits(&range, lambda, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_maugis_limits(&range, lambda, error));
     if (!(fabs(approach) <= HAFT_MAUGIS_APPROACH_MOST)) {
         return haft_error_set(error, HAFT_ERROR_ARGUMENT, "an approach of %g is not within +-%g",
                               approach, HAFT_MAUGIS_APPROACH_MOST);

@@ -63,10 +63,7 @@ haft_status haft_adhesion_make(haft_adhesion *out, const haft_contact_spec *spec
                               "must be given",
                               vdw->energy, vdw->stress, vdw->range);
     }
-    haft_status status = haft_contact_check_spheres(vdw, spec->modulus, rows, columns, step, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_contact_check_spheres(vdw, spec->modulus, rows, columns, step, error));
     double w = vdw->energy, e = spec->modulus;
     *out = (haft_adhesion){
         .table = spec->maugis,

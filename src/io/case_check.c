@@ -296,10 +296,8 @@ static void check_spheres(haft_case_reader *reader) {
     haft_vdw vdw;
     haft_error own = {0};
     haft_status status = haft_vdw_from_spec(&vdw, &spec, &own);
-    if (status == HAFT_OK) {
-        status = haft_contact_check_spheres(&vdw, modulus, round(c->mesh.l_meso / step),
-                                            round(c->beam.width / step), step, &own);
-    }
+    HAFT_THEN(status, haft_contact_check_spheres(&vdw, modulus, round(c->mesh.l_meso / step),
+                                                 round(c->beam.width / step), step, &own));
     if (status != HAFT_OK) {
         WRONG(reader, "contact.vdw.r0", "%s", own.message);
     }

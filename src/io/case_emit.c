@@ -272,10 +272,7 @@ haft_status haft_case_emit(char **text, const haft_case *c, haft_error *error) {
     *text = NULL;
     char *written = NULL;
     size_t size = 0;
-    haft_status status = write_text(&written, &size, c, write_case, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(write_text(&written, &size, c, write_case, error));
     *text = haft_memory_alloc(size + 1, 1, error);
     if (*text != NULL) {
         memcpy(*text, written, size);
@@ -309,9 +306,7 @@ haft_status haft_case_patches_digest(const haft_case *c, char digest[HAFT_DIGEST
 haft_status haft_case_write(const haft_case *c, const char *path, haft_error *error) {
     char *text = NULL;
     haft_status status = haft_case_emit(&text, c, error);
-    if (status == HAFT_OK) {
-        status = haft_store_put(path, text, strlen(text), error);
-    }
+    HAFT_THEN(status, haft_store_put(path, text, strlen(text), error));
     haft_memory_free(text);
     return status;
 }

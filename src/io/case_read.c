@@ -374,11 +374,8 @@ haft_status haft_case_read_variant(haft_case **out, const char *path, size_t var
                                    haft_error *error) {
     *out = NULL;
     haft_case_text text;
-    haft_status status = haft_case_load(&text, path, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    status = resolve(out, &text, path, variant, error);
+    HAFT_TRY(haft_case_load(&text, path, error));
+    haft_status status = resolve(out, &text, path, variant, error);
     haft_memory_free(text.bytes);
     return status;
 }

@@ -49,9 +49,7 @@ static haft_status read_psd(haft_psd_table **out, haft_case_files *files, haft_e
     double *points = NULL;
     size_t n = 0;
     haft_status status = haft_case_read_points(&points, &n, files, names, factors, error);
-    if (status == HAFT_OK) {
-        status = haft_psd_table_create(out, n, error);
-    }
+    HAFT_THEN(status, haft_psd_table_create(out, n, error));
     for (size_t i = 0; status == HAFT_OK && i < n; i++) {
         (*out)->zeta[i] = points[2 * i];
         (*out)->s[i] = points[2 * i + 1];
@@ -112,12 +110,9 @@ static haft_status estimate(haft_psd_table **out, const haft_map_set *set, const
 static haft_status combine_faces(haft_case *c, haft_error *error) {
     haft_psd_table *other = NULL, *both = NULL;
     haft_status status = read_maps(&c->surface.opposite, &c->surface.opposite_maps, c, error);
-    if (status == HAFT_OK) {
-        status = estimate(&other, &c->surface.opposite, c, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_psd_combine(&both, c->surface.table, other, c->surface.coherence, error);
-    }
+    HAFT_THEN(status, estimate(&other, &c->surface.opposite, c, error));
+    HAFT_THEN(status,
+              haft_psd_combine(&both, c->surface.table, other, c->surface.coherence, error));
     if (status == HAFT_OK) {
         haft_psd_table_destroy(&c->surface.table);
         c->surface.table = both;
@@ -128,9 +123,7 @@ static haft_status combine_faces(haft_case *c, haft_error *error) {
 
 static haft_status load_maps(haft_case *c, haft_error *error) {
     haft_status status = read_maps(&c->surface.map, &c->surface.maps, c, error);
-    if (status == HAFT_OK) {
-        status = estimate(&c->surface.table, &c->surface.map, c, error);
-    }
+    HAFT_THEN(status, estimate(&c->surface.table, &c->surface.map, c, error));
     if (status == HAFT_OK && c->surface.opposite_maps.count > 0) {
         status = combine_faces(c, error);
     }
@@ -166,10 +159,7 @@ static double measured_rms(const haft_case *c) {
  * the limit found, and must give the same form. */
 static haft_status settle_fit(haft_case *c, haft_error *error) {
     double cut = c->surface.psd.zeta_max;
-    haft_status status = haft_psd_fit_self_affine(&c->surface.fit, c->surface.table, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_psd_fit_self_affine(&c->surface.fit, c->surface.table, error));
     haft_psd *psd = &c->surface.psd;
     c->surface.fitted = true;
     c->surface.map_rms = measured_rms(c);

@@ -117,15 +117,9 @@ static haft_status check_events(const haft_case_text *text, const char *file, ha
 
 haft_status haft_case_load(haft_case_text *out, const char *path, haft_error *error) {
     haft_status status = haft_file_read(&out->bytes, &out->size, path, HAFT_CASE_SIZE_LIMIT, error);
-    if (status == HAFT_OK) {
-        status = haft_text_decode(&out->bytes, &out->size, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = check_characters(out, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = check_events(out, path, error);
-    }
+    HAFT_THEN(status, haft_text_decode(&out->bytes, &out->size, path, error));
+    HAFT_THEN(status, check_characters(out, path, error));
+    HAFT_THEN(status, check_events(out, path, error));
     if (status != HAFT_OK) {
         haft_memory_free(out->bytes);
         out->bytes = NULL;

@@ -77,9 +77,7 @@ haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const cha
     }
     haft_status status = haft_laws_identify(digest, c, laws->origin, error);
     haft_store store;
-    if (status == HAFT_OK) {
-        status = haft_store_open(&store, path, true, error);
-    }
+    HAFT_THEN(status, haft_store_open(&store, path, true, error));
     if (status != HAFT_OK) {
         return status;
     }

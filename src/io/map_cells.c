@@ -170,9 +170,7 @@ haft_status haft_map_find_notation(haft_map_notation *notation, haft_map_row *ro
             look_at_row(&e, &row[i]);
         }
     }
-    if (status == HAFT_OK) {
-        status = judge_commas(&decimal, &e, file, error);
-    }
+    HAFT_THEN(status, judge_commas(&decimal, &e, file, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -311,18 +309,13 @@ haft_status haft_map_read_table(haft_map_table *table, const haft_map_notation *
                                 bool titled, haft_error *error) {
     *table = (haft_map_table){.value = NULL};
     reading r = {.notation = notation, .file = file, .table = table, .titled = titled};
-    haft_status status = read_row(&r, row, false, &table->columns, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(read_row(&r, row, false, &table->columns, error));
     size_t most = file->size + 1; /* of numbers: each has a byte behind it, but for the last */
     size_t room = table->columns > most / rows ? most : rows * table->columns;
     table->value = haft_memory_alloc(room, sizeof *table->value, error);
     r.filled = table->value != NULL ? haft_memory_alloc(table->columns, 1, error) : NULL;
-    status = r.filled == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    if (status == HAFT_OK) {
-        status = read_rows(&r, row, rows, error);
-    }
+    haft_status status = r.filled == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    HAFT_THEN(status, read_rows(&r, row, rows, error));
     for (size_t j = 0; status == HAFT_OK && j < table->columns; j++) {
         if (!r.filled[j]) {
             status = haft_error_set(error, HAFT_ERROR_INPUT,

@@ -85,10 +85,7 @@ static haft_status read_header(gsf_header *h, const haft_map_file *file, const c
                                   "%s:%zu: the header line \"%s\" is no \"name = value\"",
                                   file->path, number, haft_map_quote(quoted, line, n));
         }
-        haft_status status = take(h, file, number, name, value, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(take(h, file, number, name, value, error));
         line += n + 1;
     }
     return HAFT_OK;
@@ -161,18 +158,14 @@ haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_er
     gsf_header h = {.columns = 0};
     double unit = 0;
     haft_status status = find_end(&end, file, error);
-    if (status == HAFT_OK) {
-        status = read_header(&h, file, end, error);
-    }
+    HAFT_THEN(status, read_header(&h, file, end, error));
     if (status == HAFT_OK && !(h.columns >= 1 && h.rows >= 1 && h.columns == floor(h.columns) &&
                                h.rows == floor(h.rows) && h.columns * h.rows < 1e9)) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "%s: its header must give XRes and YRes, whole numbers of pixels",
                                 file->path);
     }
-    if (status == HAFT_OK) {
-        status = read_units(&h, file, &unit, error);
-    }
+    HAFT_THEN(status, read_units(&h, file, &unit, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -192,9 +185,7 @@ haft_status haft_map_read_gsf(haft_map **out, const haft_map_file *file, haft_er
     for (size_t i = 0; status == HAFT_OK && i < rows * columns; i++) {
         (*out)->z[i] = read_single((const unsigned char *)file->bytes + start + 4 * i);
     }
-    if (status == HAFT_OK) {
-        status = haft_map_end(out, file, unit, error);
-    }
+    HAFT_THEN(status, haft_map_end(out, file, unit, error));
     if (status == HAFT_OK) {
         memcpy((*out)->channel, h.title, sizeof h.title);
         snprintf((*out)->format, sizeof(*out)->format, "Gwyddion Simple Field");

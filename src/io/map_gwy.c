@@ -439,15 +439,12 @@ static haft_status read_channel(haft_map **out, const channel *c, const haft_map
         return damaged(file, "an item of the channel reaches beyond it", error);
     }
     haft_status status = check_field(&f, &unit, file, title, error);
-    if (status == HAFT_OK) {
-        status = haft_map_begin(out, file, f.rows, f.columns, f.width, f.height, &unit, error);
-    }
+    HAFT_THEN(status,
+              haft_map_begin(out, file, f.rows, f.columns, f.width, f.height, &unit, error));
     for (size_t i = 0; status == HAFT_OK && i < f.count; i++) {
         (*out)->z[i] = read_double(f.z + 8 * i);
     }
-    if (status == HAFT_OK) {
-        status = haft_map_end(out, file, unit, error);
-    }
+    HAFT_THEN(status, haft_map_end(out, file, unit, error));
     if (status == HAFT_OK) {
         haft_map_name((*out)->channel, title, strlen(title));
         snprintf((*out)->format, sizeof(*out)->format, "Gwyddion");
@@ -462,22 +459,16 @@ haft_status haft_map_read_gwy(haft_map **out, const haft_map_file *file, haft_er
     cursor items = {NULL, NULL};
     size_t n = 0;
     const channel *chosen = NULL;
-    haft_status status = open_file(&items, file, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(open_file(&items, file, error));
     channel *channels = haft_memory_alloc(CHANNELS_MOST, sizeof *channels, error);
     if (channels == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    status = find_channels(channels, &n, items, file, error);
-    if (status == HAFT_OK) {
-        status = file->options.channel[0] != '\0' ? choose_named(&chosen, channels, n, file, error)
-                                                  : choose_only(&chosen, channels, n, file, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_channel(out, chosen, file, error);
-    }
+    haft_status status = find_channels(channels, &n, items, file, error);
+    HAFT_THEN(status, file->options.channel[0] != '\0'
+                          ? choose_named(&chosen, channels, n, file, error)
+                          : choose_only(&chosen, channels, n, file, error));
+    HAFT_THEN(status, read_channel(out, chosen, file, error));
     haft_memory_free(channels);
     return status;
 }

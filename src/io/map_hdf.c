@@ -273,9 +273,7 @@ static haft_status read_file(const void *context, void **bytes, size_t *size, ha
     hid_t set = status == HAFT_OK ? open_set(file, hdf, map.name, error) : -1;
     if (set >= 0) {
         status = check_set(&map, file, set, error);
-        if (status == HAFT_OK) {
-            status = read_set(file, set, &map, bytes, size, error);
-        }
+        HAFT_THEN(status, read_set(file, set, &map, bytes, size, error));
         H5Oclose(set);
     } else if (status == HAFT_OK) {
         status = HAFT_ERROR_INPUT;
@@ -337,9 +335,7 @@ static haft_status take_map(haft_map **out, const haft_map_file *file, const voi
         memcpy((*out)->z, (const char *)bytes + sizeof *map, pixels * sizeof(double));
         status = unpack(out, file, &map->packing, error);
     }
-    if (status == HAFT_OK) {
-        status = haft_map_end(out, file, unit, error);
-    }
+    HAFT_THEN(status, haft_map_end(out, file, unit, error));
     if (status == HAFT_OK) {
         haft_map_name((*out)->channel, map->name, strlen(map->name));
         snprintf((*out)->format, sizeof(*out)->format, "HDF5");
@@ -359,9 +355,7 @@ haft_status haft_map_read_hdf(haft_map **out, const haft_map_file *file, haft_er
     haft_hdf_voice voice = haft_hdf_hush();
     haft_status status = haft_child_run(&bytes, &size, read_file, &input, error);
     haft_hdf_unhush(voice);
-    if (status == HAFT_OK) {
-        status = take_map(out, file, bytes, size, error);
-    }
+    HAFT_THEN(status, take_map(out, file, bytes, size, error));
     haft_memory_free(bytes);
     return status;
 }

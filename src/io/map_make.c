@@ -135,9 +135,7 @@ haft_status haft_map_end(haft_map **out, const haft_map_file *file, double unit,
                                file->path, i / map->columns + 1, i % map->columns + 1);
         }
     }
-    if (status == HAFT_OK) {
-        status = haft_map_check_marks(map, file, unit, error);
-    }
+    HAFT_THEN(status, haft_map_check_marks(map, file, unit, error));
     for (size_t i = 0; status == HAFT_OK && i < map->rows * map->columns; i++) {
         map->z[i] *= unit;
     }

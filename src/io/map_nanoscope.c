@@ -92,10 +92,7 @@ static haft_status find_data(place *p, const haft_nanoscope *h, const haft_nanos
     char text[HAFT_NANOSCOPE_VALUE];
     p->said = 2;
     if (haft_nanoscope_find(l, "Bytes/pixel", text) > 0) {
-        haft_status status = haft_nanoscope_get_count(&p->said, h, l, "Bytes/pixel", error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(haft_nanoscope_get_count(&p->said, h, l, "Bytes/pixel", error));
     }
     bool known = fills(p, columns, rows, bytes, NULL) ||
                  fills(p, count_or_none(h, l, "Valid data len X"),
@@ -260,15 +257,10 @@ static haft_status read_channel(haft_map **out, const haft_nanoscope *h,
     double side[2], scale = 0, unit = 1;
     char sides[256];
     haft_status status = find_data(&p, h, c->list, error);
-    if (status == HAFT_OK) {
-        status = read_sides(side, sides, h, c->list, &p, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_nanoscope_get_scale(&scale, h, c->list, p.stored, p.said, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_map_begin(out, h->file, p.rows, p.columns, side[0], side[1], &unit, error);
-    }
+    HAFT_THEN(status, read_sides(side, sides, h, c->list, &p, error));
+    HAFT_THEN(status, haft_nanoscope_get_scale(&scale, h, c->list, p.stored, p.said, error));
+    HAFT_THEN(status,
+              haft_map_begin(out, h->file, p.rows, p.columns, side[0], side[1], &unit, error));
     for (size_t i = 0; status == HAFT_OK && i < p.rows; i++) {
         const unsigned char *line = (const unsigned char *)h->file->bytes + p.offset +
                                     (p.rows - 1 - i) * p.columns * p.stored;
@@ -276,9 +268,7 @@ static haft_status read_channel(haft_map **out, const haft_nanoscope *h,
             (*out)->z[i * p.columns + j] = scale * raw_value(line + j * p.stored, p.stored);
         }
     }
-    if (status == HAFT_OK) {
-        status = haft_map_end(out, h->file, unit, error);
-    }
+    HAFT_THEN(status, haft_map_end(out, h->file, unit, error));
     if (status == HAFT_OK) {
         memcpy((*out)->channel, c->label, sizeof c->label);
         snprintf((*out)->format, sizeof(*out)->format, "Nanoscope");
@@ -304,15 +294,9 @@ haft_status haft_map_read_nanoscope(haft_map **out, const haft_map_file *file, h
         return HAFT_ERROR_MEMORY;
     }
     haft_status status = haft_nanoscope_open(h, file, error);
-    if (status == HAFT_OK) {
-        status = check_mode(h, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_nanoscope_choose(&chosen, h, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_channel(out, h, &chosen, error);
-    }
+    HAFT_THEN(status, check_mode(h, error));
+    HAFT_THEN(status, haft_nanoscope_choose(&chosen, h, error));
+    HAFT_THEN(status, read_channel(out, h, &chosen, error));
     haft_memory_free(h);
     return status;
 }

@@ -189,10 +189,7 @@ static haft_status check_extents(const haft_nanoscope *h, haft_error *error) {
         if (!h->list[k].image) {
             continue;
         }
-        haft_status status = get_extent(&e, h, &h->list[k], error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(get_extent(&e, h, &h->list[k], error));
         if (e.offset > size || e.length > size - e.offset) {
             return haft_error_set(error, HAFT_ERROR_INPUT,
                                   "%s:%zu: the data of this channel end at byte %zu, the file at "
@@ -263,8 +260,6 @@ haft_status haft_nanoscope_open(haft_nanoscope *h, const haft_map_file *file, ha
             error);
     }
     haft_status status = check_line_ends(h, error);
-    if (status == HAFT_OK) {
-        status = check_titles(h, error);
-    }
+    HAFT_THEN(status, check_titles(h, error));
     return status == HAFT_OK ? check_extents(h, error) : status;
 }

@@ -299,12 +299,8 @@ haft_status haft_map_read_npy(haft_map **out, const haft_map_file *file, haft_er
     number_type type = {.bytes = 0};
     size_t rows = 0, columns = 0;
     haft_status status = read_header(&h, file, error);
-    if (status == HAFT_OK) {
-        status = read_type(&type, &h, file, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_sides(&rows, &columns, &h, file, error);
-    }
+    HAFT_THEN(status, read_type(&type, &h, file, error));
+    HAFT_THEN(status, read_sides(&rows, &columns, &h, file, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -323,9 +319,7 @@ haft_status haft_map_read_npy(haft_map **out, const haft_map_file *file, haft_er
         (*out)->z[i] =
             read_number((const unsigned char *)file->bytes + h.start + type.bytes * place, type);
     }
-    if (status == HAFT_OK) {
-        status = haft_map_end(out, file, unit, error);
-    }
+    HAFT_THEN(status, haft_map_end(out, file, unit, error));
     if (status == HAFT_OK) {
         snprintf((*out)->format, sizeof(*out)->format, "NumPy array, %.8s", h.type);
     }

@@ -299,12 +299,8 @@ haft_status haft_map_from_points(haft_map **out, const haft_map_file *file, cons
                                 "empty; the file is cut short, or the points are on no grid",
                                 file->path, t->rows, a[1].n, a[0].n);
     }
-    if (status == HAFT_OK) {
-        status = find_pixels(pixel, file, a, title, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_map_create(out, a[1].n, a[0].n, pixel[1], pixel[0], error);
-    }
+    HAFT_THEN(status, find_pixels(pixel, file, a, title, error));
+    HAFT_THEN(status, haft_map_create(out, a[1].n, a[0].n, pixel[1], pixel[0], error));
     if (status == HAFT_OK) {
         double unit = title->unit.value > 0 ? title->unit.value : file->options.unit;
         status = place_points(out, file, t, a, unit, error);

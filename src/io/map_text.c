@@ -72,12 +72,9 @@ static haft_status tell_lines_apart(lines *l, const haft_map_file *file, haft_er
                                   file->path, number, n, LINE_MOST >> 20);
         }
         bool blank = line[strspn(line, " ")] == '\0';
-        haft_status status = blank ? HAFT_OK
-                                   : haft_map_read_title(&l->title, file, number, line,
-                                                         l->rows == 0, &title, &known, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(blank ? HAFT_OK
+                       : haft_map_read_title(&l->title, file, number, line, l->rows == 0, &title,
+                                             &known, error));
         if (blank || title) {
             since = gap == 0 ? number : since;
             remark = remark || title;
@@ -91,10 +88,7 @@ static haft_status tell_lines_apart(lines *l, const haft_map_file *file, haft_er
                                   "holds more than one map; give one map a file",
                                   file->path, second);
         }
-        status = l->rows == l->room ? make_room(l, file, number, error) : HAFT_OK;
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(l->rows == l->room ? make_room(l, file, number, error) : HAFT_OK);
         add_row(l, line, number, gap, since, remark);
         gap = 0;
         remark = false;
@@ -114,17 +108,14 @@ static haft_status make_lines(lines *l, const haft_map_file *file, haft_error *e
         return HAFT_ERROR_MEMORY;
     }
     memcpy(l->text, file->bytes, size);
-    haft_status status = haft_text_decode(&l->text, &size, file->path, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_text_decode(&l->text, &size, file->path, error));
     for (const char *at = l->text; (at = strchr(at, '\n')) != NULL; at++) {
         most++;
     }
     l->most = most;
     l->room = most > HAFT_MAP_SIDE_MOST ? HAFT_MAP_SIDE_MOST : most;
     l->row = haft_memory_alloc(l->room, sizeof *l->row, error);
-    status = l->row == NULL ? HAFT_ERROR_MEMORY : tell_lines_apart(l, file, error);
+    haft_status status = l->row == NULL ? HAFT_ERROR_MEMORY : tell_lines_apart(l, file, error);
     if (status == HAFT_OK && l->rows == 0) {
         status = haft_error_set(error, HAFT_ERROR_INPUT, "%s: holds no numbers", file->path);
     }
@@ -177,10 +168,9 @@ static haft_status make_map(haft_map **out, const lines *l, const haft_map_file 
         status = haft_map_from_points(out, file, table, t, error);
     } else if (status == HAFT_OK) {
         status = check_matrix(l, file, table, error);
-        if (status == HAFT_OK) {
-            status = haft_map_from_matrix(out, file, table->rows, table->columns, t->side[0].value,
-                                          t->side[1].value, t->unit.value, table->value, error);
-        }
+        HAFT_THEN(status,
+                  haft_map_from_matrix(out, file, table->rows, table->columns, t->side[0].value,
+                                       t->side[1].value, t->unit.value, table->value, error));
     }
     if (status == HAFT_OK) {
         memcpy((*out)->channel, t->channel, sizeof t->channel);
@@ -197,18 +187,11 @@ haft_status haft_map_read_text(haft_map **out, const haft_map_file *file, haft_e
     haft_map_table table = {.value = NULL};
     haft_map_notation notation;
     haft_status status = make_lines(&l, file, error);
-    if (status == HAFT_OK) {
-        status = haft_map_settle_title(&l.title, file, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_map_find_notation(&notation, l.row, &l.rows, file, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_map_read_table(&table, &notation, l.row, l.rows, file, l.title.titled, error);
-    }
-    if (status == HAFT_OK) {
-        status = make_map(out, &l, file, &table, error);
-    }
+    HAFT_THEN(status, haft_map_settle_title(&l.title, file, error));
+    HAFT_THEN(status, haft_map_find_notation(&notation, l.row, &l.rows, file, error));
+    HAFT_THEN(status,
+              haft_map_read_table(&table, &notation, l.row, l.rows, file, l.title.titled, error));
+    HAFT_THEN(status, make_map(out, &l, file, &table, error));
     haft_memory_free(l.text);
     haft_memory_free(l.row);
     haft_memory_free(table.value);

@@ -289,11 +289,8 @@ static haft_status read_columns(haft_map_title *t, char unit[3][WORD_CAPACITY], 
                                 const haft_map_file *file, haft_error *error) {
     t->points = true;
     for (int k = 0; k < 3; k++) {
-        haft_status status =
-            read_unit(k < 2 ? &t->lateral[k] : &t->unit, unit[k], k == 2, number, file, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(
+            read_unit(k < 2 ? &t->lateral[k] : &t->unit, unit[k], k == 2, number, file, error));
     }
     return HAFT_OK;
 }
@@ -368,10 +365,8 @@ haft_status haft_map_settle_title(haft_map_title *t, const haft_map_file *file, 
         }
         /* sizes in headers are rounded */
         status = compare(t->side[k], size[k], 0.01, sides[k], file, error);
-        if (status == HAFT_OK) {
-            status =
-                compare(t->lateral[k], o->lateral_unit, 1e-9, "the unit of x and y", file, error);
-        }
+        HAFT_THEN(status, compare(t->lateral[k], o->lateral_unit, 1e-9, "the unit of x and y", file,
+                                  error));
     }
     return status;
 }

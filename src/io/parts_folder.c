@@ -185,9 +185,7 @@ static haft_status lock_all(haft_parts *parts, haft_error *error) {
     char name[HAFT_PART_NAME_CAPACITY];
     name_shard_lock(name, parts->shard, parts->shards);
     haft_status status = take_lock(parts, &parts->lock, HAFT_PARTS_LOCK, LOCK_SH, error);
-    if (status == HAFT_OK) {
-        status = take_lock(parts, &parts->shard_lock, name, LOCK_EX, error);
-    }
+    HAFT_THEN(status, take_lock(parts, &parts->shard_lock, name, LOCK_EX, error));
     return status == HAFT_OK ? refuse_other_split(parts, error) : status;
 }
 

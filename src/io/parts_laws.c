@@ -81,10 +81,7 @@ haft_status haft_part_unpack_laws(haft_laws **out, const haft_part_counts *count
     if (m == 0) {
         return HAFT_OK;
     }
-    haft_status status = haft_laws_create_sparse(out, m, counts->curves, n, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_laws_create_sparse(out, m, counts->curves, n, error));
     haft_laws *laws = *out;
     laws->sites = m;
     laws->first_site = counts->first_site;

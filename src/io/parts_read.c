@@ -259,9 +259,7 @@ haft_status haft_parts_scan(haft_parts *parts, const haft_case *c, const char *l
     haft_part_head head;
     char *text = NULL;
     haft_status status = haft_parts_list(parts, error);
-    if (status == HAFT_OK) {
-        status = haft_part_make_head(&head, &text, c, laws_digest, error);
-    }
+    HAFT_THEN(status, haft_part_make_head(&head, &text, c, laws_digest, error));
     if (status == HAFT_OK) {
         parts->realizations = c->realizations;
         parts->entry = haft_memory_alloc(c->realizations, sizeof *parts->entry, error);
@@ -391,10 +389,7 @@ static haft_status read_payload(char *payload, const char *path, const haft_part
     char digest[HAFT_DIGEST_CAPACITY];
     size_t size = (size_t)entry->size;
     int descriptor = -1;
-    haft_status status = haft_file_open(&descriptor, NULL, path, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_file_open(&descriptor, NULL, path, error));
     errno = 0;
     bool whole = read_at(descriptor, entry->offset, payload, size);
     int reason = whole ? 0 : errno; /* 0: the file ends before */
@@ -431,9 +426,7 @@ haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **
     char *payload = haft_memory_alloc(size, 1, error);
     char *path = haft_parts_join(parts, parts->file[entry->file], error);
     haft_status status = payload == NULL || path == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    if (status == HAFT_OK) {
-        status = read_payload(payload, path, entry, error);
-    }
+    HAFT_THEN(status, read_payload(payload, path, entry, error));
     if (status == HAFT_OK) {
         status = unpack(out, summary, laws, payload, size, dofs, error);
         if (status != HAFT_OK && status != HAFT_ERROR_MEMORY) {

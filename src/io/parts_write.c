@@ -43,16 +43,13 @@ haft_status haft_part_head_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_
 haft_status haft_part_make_head(haft_part_head *head, char **text, const haft_case *c,
                                 const char *laws_digest, haft_error *error) {
     char digest[HAFT_DIGEST_CAPACITY];
-    haft_status status = haft_case_emit(text, c, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_case_emit(text, c, error));
     *head = (haft_part_head){
         .layout = HAFT_PART_LAYOUT, .order = HAFT_PART_ORDER, .text_size = strlen(*text)};
     memcpy(head->magic, HAFT_PART_MAGIC, sizeof head->magic);
     snprintf(head->program, sizeof head->program, "%s %s", haft_version(), haft_revision());
     snprintf(head->laws, sizeof head->laws, "%s", laws_digest);
-    status = haft_part_head_digest(digest, head, *text, error);
+    haft_status status = haft_part_head_digest(digest, head, *text, error);
     if (status == HAFT_OK) {
         memcpy(head->digest, digest, sizeof digest);
     }
@@ -147,15 +144,9 @@ haft_status haft_part_create(haft_part **out, const char *folder, size_t shard, 
     haft_part_head head;
     char *text = NULL;
     haft_status status = haft_part_make_head(&head, &text, c, laws_digest, error);
-    if (status == HAFT_OK) {
-        status = open_new(part, folder, shard, shards, rank, error);
-    }
-    if (status == HAFT_OK) {
-        status = append(part, &head, sizeof head, error);
-    }
-    if (status == HAFT_OK) {
-        status = append(part, text, (size_t)head.text_size, error);
-    }
+    HAFT_THEN(status, open_new(part, folder, shard, shards, rank, error));
+    HAFT_THEN(status, append(part, &head, sizeof head, error));
+    HAFT_THEN(status, append(part, text, (size_t)head.text_size, error));
     haft_memory_free(text);
     if (status != HAFT_OK) {
         (void)haft_part_close(&part, NULL);

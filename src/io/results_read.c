@@ -205,9 +205,7 @@ haft_status haft_results_read_path(haft_path **out, const char *path, size_t rea
     haft_results_file *file = NULL;
     *out = NULL;
     haft_status status = haft_results_open(&file, path, error);
-    if (status == HAFT_OK) {
-        status = haft_results_take_path(out, file, realization, error);
-    }
+    HAFT_THEN(status, haft_results_take_path(out, file, realization, error));
     haft_results_close(&file);
     return status;
 }

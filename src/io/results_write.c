@@ -67,9 +67,7 @@ haft_status haft_results_create(haft_results **out, const char *path, const haft
     results->hdf.file = -1;
     results->store.descriptor = -1;
     haft_status status = copy_inputs(results, path, c, error);
-    if (status == HAFT_OK) {
-        status = haft_store_open(&results->store, path, overwrite, error);
-    }
+    HAFT_THEN(status, haft_store_open(&results->store, path, overwrite, error));
     if (status == HAFT_OK) {
         haft_hdf_voice voice = haft_hdf_hush();
         results->hdf = (haft_hdf){.file = -1, .path = results->path, .error = error};
@@ -243,10 +241,7 @@ haft_status haft_results_add(haft_results *results, size_t realization, const ha
                              const haft_model_data *model, const haft_law *laws,
                              const haft_law_vector *vectors, const haft_summary *summary,
                              haft_error *error) {
-    haft_status status = check_addition(results, realization, path, model, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(check_addition(results, realization, path, model, error));
     haft_hdf_voice voice = haft_hdf_hush();
     haft_hdf *hdf = &results->hdf;
     hdf->error = error;

@@ -224,11 +224,8 @@ void haft_io_drop_stale(const char *path) {
 static haft_status put(const char *path, const void *data, size_t size, bool overwrite,
                        haft_error *error) {
     haft_store store;
-    haft_status status = haft_store_open(&store, path, overwrite, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    status = haft_store_write(&store, data, size, error);
+    HAFT_TRY(haft_store_open(&store, path, overwrite, error));
+    haft_status status = haft_store_write(&store, data, size, error);
     if (status == HAFT_OK) {
         return haft_store_commit(&store, error);
     }

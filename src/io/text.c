@@ -108,12 +108,8 @@ static haft_status check_text(const char *bytes, size_t size, const char *path, 
 haft_status haft_text_read(char **text, size_t *size, const char *path, size_t most,
                            haft_error *error) {
     haft_status status = haft_file_read(text, size, path, most, error);
-    if (status == HAFT_OK) {
-        status = haft_text_decode(text, size, path, error);
-    }
-    if (status == HAFT_OK) {
-        status = check_text(*text, *size, path, error);
-    }
+    HAFT_THEN(status, haft_text_decode(text, size, path, error));
+    HAFT_THEN(status, check_text(*text, *size, path, error));
     if (status != HAFT_OK) {
         haft_memory_free(*text);
         *text = NULL;

@@ -98,10 +98,7 @@ static haft_status read_layout(layout *l, const haft_units *units, const char *p
         l->fault = strcmp(name, "fault") == 0 ? k : l->fault;
         for (size_t i = 0; i < COLUMNS; i++) {
             if (strcmp(name, wanted[i].name) == 0) {
-                haft_status status = read_factor(units, path, i, unit, &l->factor[i], error);
-                if (status != HAFT_OK) {
-                    return status;
-                }
+                HAFT_TRY(read_factor(units, path, i, unit, &l->factor[i], error));
                 found[i] = true;
                 l->field[i] = k;
             }
@@ -181,9 +178,7 @@ static haft_status read_lines(haft_law_vector **vector, size_t *m, const haft_un
             status = grow(vector, *m, &room, error);
         }
         bool sound = false;
-        if (status == HAFT_OK) {
-            status = read_row(&l, path, number, line, *vector + *m, &sound, error);
-        }
+        HAFT_THEN(status, read_row(&l, path, number, line, *vector + *m, &sound, error));
         *m += status == HAFT_OK && sound;
     }
     if (status == HAFT_OK && *m == 0) {
@@ -203,12 +198,8 @@ haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *p
     char *text = NULL;
     size_t size = 0;
     haft_status status = haft_text_read(&text, &size, path, BYTES_MOST, error);
-    if (status == HAFT_OK) {
-        status = haft_units_create(&units, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_lines(vector, m, units, text, path, error);
-    }
+    HAFT_THEN(status, haft_units_create(&units, error));
+    HAFT_THEN(status, read_lines(vector, m, units, text, path, error));
     haft_units_destroy(&units);
     haft_memory_free(text);
     if (status != HAFT_OK) {

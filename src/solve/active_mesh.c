@@ -93,9 +93,8 @@ static haft_status create_solvers(haft_tracker *t, haft_active_mesh *mesh, haft_
                                 : HAFT_FACTOR_BAND;
     haft_status status =
         haft_factor_create(&mesh->factor, kind, m->dofs, m->column, m->row, m->stiffness, error);
-    if (status == HAFT_OK) {
-        status = haft_diagonals_create(&mesh->mass, m->dofs, m->column, m->row, m->mass, error);
-    }
+    HAFT_THEN(status,
+              haft_diagonals_create(&mesh->mass, m->dofs, m->column, m->row, m->mass, error));
     return status == HAFT_OK ? haft_corrector_create(&mesh->corrector, t, mesh->model, error)
                              : status;
 }
@@ -111,10 +110,7 @@ haft_status haft_active_meshes_create(haft_tracker *t, haft_error *error) {
     const haft_model *m = t->problem.whole;
     for (size_t i = 0; i < t->meshes; i++, m = haft_model_shorter(m)) {
         t->mesh[i].model = m;
-        haft_status status = create_solvers(t, &t->mesh[i], error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(create_solvers(t, &t->mesh[i], error));
     }
     haft_active_mesh_enter(t, 0);
     return HAFT_OK;

@@ -122,17 +122,15 @@ haft_status haft_solve_path(haft_path **out, const haft_model *model, const haft
         return checked;
     }
     haft_walker w = {.phase = 0, .direction = 1, .error = error};
-    haft_status status = haft_tracker_create(&w.t, model, laws, programme, options, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_tracker_create(&w.t, model, laws, programme, options, error));
     w.path = haft_memory_alloc(1, sizeof *w.path, error);
     if (w.path == NULL) {
         haft_tracker_destroy(&w.t);
         return HAFT_ERROR_MEMORY;
     }
     w.path->outcome = walk(&w);
-    status = w.failed ? HAFT_ERROR_MEMORY : haft_record_finish(w.path, w.t, &w.ledger, error);
+    haft_status status =
+        w.failed ? HAFT_ERROR_MEMORY : haft_record_finish(w.path, w.t, &w.ledger, error);
     haft_tracker_destroy(&w.t);
     if (status != HAFT_OK) {
         haft_path_destroy(&w.path);

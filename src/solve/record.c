@@ -59,10 +59,7 @@ static void copy_state(const haft_tracker *t, double *u) {
 
 haft_status haft_record_point(haft_path *path, haft_tracker *t, haft_ledger *ledger, int phase,
                               int jump, haft_error *error) {
-    haft_status status = grow_points(path, t, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(grow_points(path, t, error));
     double lambda = haft_branch_least_eigenvalue(t);
     double gained = t->here.energy.strain + t->here.energy.contact - ledger->energy_start;
     double missing = fabs(ledger->work - ledger->dissipated - gained);

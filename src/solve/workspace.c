@@ -157,15 +157,9 @@ haft_status haft_tracker_create(haft_tracker **out, const haft_model *model, con
     t->problem.load_unit = m->energy_unit / m->gap;
     t->needs_refinement = true; /* until it is known */
     haft_status status = allocate(t, error);
-    if (status == HAFT_OK) {
-        status = haft_model_create_front(&t->front, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_law_rows_create(&t->problem.rows, m->sites, laws, error);
-    }
-    if (status == HAFT_OK) {
-        status = put_at_rest(t, error);
-    }
+    HAFT_THEN(status, haft_model_create_front(&t->front, error));
+    HAFT_THEN(status, haft_law_rows_create(&t->problem.rows, m->sites, laws, error));
+    HAFT_THEN(status, put_at_rest(t, error));
     if (status != HAFT_OK) {
         haft_tracker_destroy(&t);
     }

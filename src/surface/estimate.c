@@ -24,9 +24,7 @@ static haft_status enter_filled(haft_rings *r, const haft_map *map, haft_window 
         }
     }
     haft_status status = haft_map_copy(&filled, map, error);
-    if (status == HAFT_OK) {
-        status = haft_map_fill(filled, error);
-    }
+    HAFT_THEN(status, haft_map_fill(filled, error));
     if (status == HAFT_OK) {
         double share = known / all;
         status = haft_rings_enter(r, filled, window, band_of(map), share * share, error);
@@ -59,9 +57,7 @@ haft_status haft_psd_estimate(haft_psd_table **out, size_t n, const haft_map *co
             haft_error_prefix(error, "map %zu: ", k);
         }
     }
-    if (status == HAFT_OK) {
-        status = haft_rings_to_table(out, &r, error);
-    }
+    HAFT_THEN(status, haft_rings_to_table(out, &r, error));
     haft_rings_destroy(&r);
     return status;
 }

@@ -188,12 +188,8 @@ static haft_status take_psd(haft_psd_table **psd, const filling *f, haft_error *
     double side = fmin((double)map->rows * map->step_row, (double)map->columns * map->step_column);
     double most = M_PI * hypot(1 / map->step_row, 1 / map->step_column);
     haft_status status = haft_rings_create(&rings, 2 * M_PI / side, most, error);
-    if (status == HAFT_OK) {
-        status = haft_rings_enter(&rings, map, HAFT_WINDOW_HANN, most, 1, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_rings_to_table(psd, &rings, error);
-    }
+    HAFT_THEN(status, haft_rings_enter(&rings, map, HAFT_WINDOW_HANN, most, 1, error));
+    HAFT_THEN(status, haft_rings_to_table(psd, &rings, error));
     haft_rings_destroy(&rings);
     return status;
 }
@@ -243,9 +239,7 @@ static haft_status run_passes(filling *f, haft_error *error) {
         draw_heights(f, pass);
         if (pass < passes) {
             status = take_psd(&psd, f, error);
-            if (status == HAFT_OK) {
-                status = take_covariance(f, psd, error);
-            }
+            HAFT_THEN(status, take_covariance(f, psd, error));
         }
         haft_psd_table_destroy(&psd);
     }

@@ -163,9 +163,7 @@ static haft_status find_correlation_length(haft_map_statistics *s, const haft_ma
     double *sum = haft_memory_alloc(rows * columns, sizeof *sum, error);
     double *pairs = haft_memory_alloc(rows * columns, sizeof *pairs, error);
     haft_status status = sum != NULL && pairs != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
-    if (status == HAFT_OK) {
-        status = haft_surface_autocorrelate(sum, pairs, map, s->mean, error);
-    }
+    HAFT_THEN(status, haft_surface_autocorrelate(sum, pairs, map, s->mean, error));
     if (status == HAFT_OK) {
         s->correlation_length = falling_radius(map, sum, pairs, columns);
     }
@@ -177,10 +175,7 @@ static haft_status find_correlation_length(haft_map_statistics *s, const haft_ma
 haft_status haft_map_get_statistics(haft_map_statistics *out, const haft_map *map,
                                     haft_error *error) {
     *out = (haft_map_statistics){.pixels = 0};
-    haft_status status = take_moments(out, map, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(take_moments(out, map, error));
     difference(map, 1, map->columns, map->rows, map->columns, map->step_column, &out->slope_x,
                &out->curvature_x);
     difference(map, map->columns, map->rows, map->columns, 1, map->step_row, &out->slope_y,

@@ -92,9 +92,7 @@ static haft_status check_grid(const haft_surface_spec *spec, haft_error *error) 
 static haft_status check_spec(const haft_surface_spec *spec, haft_error *error) {
     haft_status status = spec->table != NULL ? haft_psd_table_check(spec->table, error)
                                              : haft_psd_check(&spec->psd, error);
-    if (status == HAFT_OK) {
-        status = check_grid(spec, error);
-    }
+    HAFT_THEN(status, check_grid(spec, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -209,9 +207,7 @@ static haft_status make_transform(haft_surface_plan *plan, const surface_kernel 
     if (plan->disc != NULL && plan->transform != NULL && rows != NULL) {
         fill_disc(plan, plan->spec.psd.zeta_max + kernel->smear);
         status = transform_rows(plan, kernel, rows, error);
-        if (status == HAFT_OK) {
-            status = transform_columns(plan, rows, error);
-        }
+        HAFT_THEN(status, transform_columns(plan, rows, error));
     }
     haft_memory_free(rows);
     return status;
@@ -323,21 +319,16 @@ static haft_status build_plan(haft_surface_plan *plan, const surface_radial *rad
     plan->ratio = haft_surface_lattice_ratio(&spec->psd, spec->grid_step);
     double tolerance = spec->tolerance == 0 ? DEFAULT_TOLERANCE : spec->tolerance;
     surface_kernel kernel;
-    haft_status status = haft_surface_kernel_create(
-        &kernel, radial, (double)plan->ratio * spec->grid_step, tolerance, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_surface_kernel_create(&kernel, radial, (double)plan->ratio * spec->grid_step,
+                                        tolerance, error));
     plan->halo = kernel.halo;
     double cut = spec->psd.zeta_max + kernel.smear;
     plan->along =
         make_axis(spec->rows / plan->ratio, kernel.halo, plan->ratio, spec->grid_step, cut);
     plan->across =
         make_axis(spec->columns / plan->ratio, kernel.halo, plan->ratio, spec->grid_step, cut);
-    status = make_transform(plan, &kernel, error);
-    if (status == HAFT_OK) {
-        status = make_fftw_plans(plan, error);
-    }
+    haft_status status = make_transform(plan, &kernel, error);
+    HAFT_THEN(status, make_fftw_plans(plan, error));
     if (status == HAFT_OK) {
         fill_facts(plan, &kernel);
         plan->scale_in = 1 / sqrt(plan->facts.moments.m0);
@@ -363,12 +354,8 @@ haft_status haft_surface_plan_create(haft_surface_plan **out, const haft_surface
     surface_radial radial;
     haft_psd_table *corrected = NULL;
     haft_status status = check_spec(&plan->spec, error);
-    if (status == HAFT_OK) {
-        status = choose_radial(&radial, &corrected, plan, error);
-    }
-    if (status == HAFT_OK) {
-        status = build_plan(plan, &radial, error);
-    }
+    HAFT_THEN(status, choose_radial(&radial, &corrected, plan, error));
+    HAFT_THEN(status, build_plan(plan, &radial, error));
     haft_psd_table_destroy(&corrected);
     plan->spec.table = NULL; /* owned by the caller, no longer needed */
     if (status != HAFT_OK) {

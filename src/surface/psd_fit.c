@@ -313,9 +313,7 @@ static haft_status fit_rings(haft_psd_fit *out, haft_psd_profile *profile, haft_
     haft_psd_profile_make(profile, rings, HAFT_PSD_GRID);
     const haft_psd_form *form = &profile->best;
     haft_status status = check_slope(form, rings, error);
-    if (status == HAFT_OK) {
-        status = check_moments(form, rings, error);
-    }
+    HAFT_THEN(status, check_moments(form, rings, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -339,9 +337,7 @@ haft_status haft_psd_fit_self_affine(haft_psd_fit *out, const haft_psd_table *ta
                                      haft_error *error) {
     haft_psd_rings rings = {.n = 0};
     haft_status status = haft_psd_table_check(table, error);
-    if (status == HAFT_OK) {
-        status = take_rings(&rings, table, error);
-    }
+    HAFT_THEN(status, take_rings(&rings, table, error));
     if (status != HAFT_OK) {
         return status;
     }

@@ -171,16 +171,12 @@ haft_status haft_psd_combine(haft_psd_table **out, const haft_psd_table *first,
                              const haft_psd_table *second, double coherence, haft_error *error) {
     *out = NULL;
     haft_status status = haft_psd_table_check(first, error);
-    if (status == HAFT_OK) {
-        status = haft_psd_table_check(second, error);
-    }
+    HAFT_THEN(status, haft_psd_table_check(second, error));
     if (status == HAFT_OK && !(coherence >= -1 && coherence <= 1)) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "a coherence of %g; it must lie between -1 and 1", coherence);
     }
-    if (status == HAFT_OK) {
-        status = haft_psd_table_create(out, first->n + second->n, error);
-    }
+    HAFT_THEN(status, haft_psd_table_create(out, first->n + second->n, error));
     if (status != HAFT_OK) {
         return status;
     }

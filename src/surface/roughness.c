@@ -169,10 +169,7 @@ static haft_status check_roughness(const haft_roughness *r, haft_error *error) {
 }
 
 haft_status haft_psd_from_roughness(haft_psd *out, const haft_roughness *r, haft_error *error) {
-    haft_status status = check_roughness(r, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(check_roughness(r, error));
     double low = log(BAND_WIDEST), high = log(BAND_NARROWEST); /* the low side has longer waves */
     for (int i = 0; i < HALVINGS; i++) {
         double middle = 0.5 * (low + high);

@@ -80,9 +80,7 @@ static haft_status half_spectrum(double **out, weights *sums, const haft_map *ma
     size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
     double *field = haft_memory_alloc(rows * half, 2 * sizeof *field, error);
     haft_status status = field != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
-    if (status == HAFT_OK) {
-        status = weigh(field, 2 * half, sums, map, window, error);
-    }
+    HAFT_THEN(status, weigh(field, 2 * half, sums, map, window, error));
     fftw_plan plan = NULL;
     if (status == HAFT_OK) {
         plan = fftw_plan_dft_r2c_2d((int)rows, (int)columns, field, (fftw_complex *)field,
@@ -168,10 +166,7 @@ haft_status haft_rings_enter(haft_rings *r, const haft_map *map, haft_window win
                              double known, haft_error *error) {
     double *s = NULL;
     weights sums;
-    haft_status status = half_spectrum(&s, &sums, map, window, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(half_spectrum(&s, &sums, map, window, error));
     size_t rows = map->rows, columns = map->columns, half = columns / 2 + 1;
     double across = 2 * M_PI / ((double)rows * map->step_row);
     double along = 2 * M_PI / ((double)columns * map->step_column);

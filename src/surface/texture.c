@@ -155,9 +155,7 @@ static haft_status take_decay(haft_map_texture *t, const haft_map *map, double m
     double *sum = haft_memory_alloc(n, sizeof *sum, error);
     double *pairs = haft_memory_alloc(n, sizeof *pairs, error);
     haft_status status = sum != NULL && pairs != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
-    if (status == HAFT_OK) {
-        status = haft_surface_autocorrelate(sum, pairs, map, mean, error);
-    }
+    HAFT_THEN(status, haft_surface_autocorrelate(sum, pairs, map, mean, error));
     if (status == HAFT_OK) {
         double variance = sum[0] / pairs[0];
         for (size_t k = 0; k < n; k++) {

@@ -84,14 +84,10 @@ static haft_status make_sheet(sheet *s, const haft_map *map, double step, haft_e
     double *half = haft_memory_alloc(map->rows * s->columns, sizeof *half, error);
     s->z = haft_memory_alloc(s->rows * s->columns, sizeof *s->z, error);
     haft_status status = half != NULL && s->z != NULL ? HAFT_OK : HAFT_ERROR_MEMORY;
-    if (status == HAFT_OK) {
-        status = resample(map->z, map->rows, map->columns, 1, map->columns, map->step_column, step,
-                          half, s->columns, 1, s->columns, error);
-    }
-    if (status == HAFT_OK) {
-        status = resample(half, s->columns, map->rows, s->columns, 1, map->step_row, step, s->z,
-                          s->rows, s->columns, 1, error);
-    }
+    HAFT_THEN(status, resample(map->z, map->rows, map->columns, 1, map->columns, map->step_column,
+                               step, half, s->columns, 1, s->columns, error));
+    HAFT_THEN(status, resample(half, s->columns, map->rows, s->columns, 1, map->step_row, step,
+                               s->z, s->rows, s->columns, 1, error));
     haft_memory_free(half);
     return status;
 }

@@ -192,10 +192,7 @@ static haft_status multiply(haft_psd_table **out, const haft_psd_table *factor,
     size_t corners = wanted->table != NULL ? wanted->table->n : 1, a = 0, b = 0, n = 0;
     const double *corner = wanted->table != NULL ? wanted->table->zeta : &wanted->psd.zeta_0;
     haft_psd_table *table = NULL;
-    haft_status status = haft_psd_table_create(&table, factor->n + corners, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_psd_table_create(&table, factor->n + corners, error));
     while (a < factor->n || b < corners) {
         double x = a < factor->n ? factor->zeta[a] : INFINITY;
         double y = b < corners ? corner[b] : INFINITY;
@@ -223,9 +220,7 @@ haft_status haft_surface_translate(haft_psd_table **out, const surface_radial *w
     haft_psd_table *factor = NULL;
     *out = NULL;
     haft_status status = create_lattice(&l, wanted, error);
-    if (status == HAFT_OK) {
-        status = haft_psd_table_create(&factor, NODES, error);
-    }
+    HAFT_THEN(status, haft_psd_table_create(&factor, NODES, error));
     if (status == HAFT_OK) {
         lay_out(&l, wanted, factor);
         for (int round = 0; round < ROUNDS && least > ENOUGH; round++) {

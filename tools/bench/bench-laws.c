@@ -350,15 +350,9 @@ static void follow(const haft_case *c, int threads, sample *out) {
     haft_status status = haft_study_build_laws(&laws, c, NULL, &out->error);
     out->seconds = haft_clock_seconds() - start;
     start = haft_clock_seconds();
-    if (status == HAFT_OK) {
-        status = haft_model_create_beam(&model, &c->beam, &c->mesh, &out->error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_site_laws(&sites, c, laws, 0, &out->error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_realize(&path, &summary, c, model, sites, false, &out->error);
-    }
+    HAFT_THEN(status, haft_model_create_beam(&model, &c->beam, &c->mesh, &out->error));
+    HAFT_THEN(status, haft_study_site_laws(&sites, c, laws, 0, &out->error));
+    HAFT_THEN(status, haft_study_realize(&path, &summary, c, model, sites, false, &out->error));
     out->zero_distance = haft_clock_seconds() - start;
     out->e = summary.crack_length;
     haft_path_destroy(&path);

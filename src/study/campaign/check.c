@@ -20,15 +20,10 @@ static haft_status check_law(haft_builder *b, size_t patch, haft_error *error) {
     b->first_site = patch;
     b->end_site = patch + 1;
     haft_status status = haft_builder_hand_create(&hand, &only, 1, error);
-    if (status == HAFT_OK) {
-        status = haft_builder_room(&laws, b, 1, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_builder_block(&only, hand, 0, patch / b->block_patches, &laws, 0, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_try_law(b->c, laws, drawn ? 0 : patch, error);
-    }
+    HAFT_THEN(status, haft_builder_room(&laws, b, 1, error));
+    HAFT_THEN(status,
+              haft_builder_block(&only, hand, 0, patch / b->block_patches, &laws, 0, error));
+    HAFT_THEN(status, haft_study_try_law(b->c, laws, drawn ? 0 : patch, error));
     haft_laws_destroy(&laws);
     haft_builder_hand_destroy(&hand);
     return status;

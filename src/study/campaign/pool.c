@@ -12,10 +12,8 @@ static haft_status keep(haft_pool *pool, size_t k, const haft_path *path,
         status = haft_part_create(&pool->part, pool->folder, pool->shard.index, pool->shard.count,
                                   pool->rank, pool->c, pool->laws_digest, error);
     }
-    if (status == HAFT_OK) {
-        status = haft_part_append(pool->part, k, path, haft_model_get(pool->model)->dofs, summary,
-                                  laws, error);
-    }
+    HAFT_THEN(status, haft_part_append(pool->part, k, path, haft_model_get(pool->model)->dofs,
+                                       summary, laws, error));
     omp_unset_lock(&pool->lock);
     return status;
 }
@@ -45,17 +43,11 @@ static haft_status do_one(haft_pool *pool, size_t hand, size_t k, haft_summary *
     haft_site_laws *laws = NULL;
     haft_path *path = NULL;
     haft_status status = own_laws(&own, pool, hand, k, error);
-    if (status == HAFT_OK) {
-        status = haft_study_site_laws(&laws, pool->c, own != NULL ? own : pool->laws,
-                                      own != NULL ? 0 : k, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_realize(&path, summary, pool->c, pool->model, laws,
-                                    haft_case_wants_evidence(pool->c, k), error);
-    }
-    if (status == HAFT_OK) {
-        status = keep(pool, k, path, summary, own, error);
-    }
+    HAFT_THEN(status, haft_study_site_laws(&laws, pool->c, own != NULL ? own : pool->laws,
+                                           own != NULL ? 0 : k, error));
+    HAFT_THEN(status, haft_study_realize(&path, summary, pool->c, pool->model, laws,
+                                         haft_case_wants_evidence(pool->c, k), error));
+    HAFT_THEN(status, keep(pool, k, path, summary, own, error));
     haft_path_destroy(&path);
     haft_site_laws_destroy(&laws);
     haft_laws_destroy(&own);

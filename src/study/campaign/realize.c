@@ -10,10 +10,7 @@ haft_status haft_study_realize(haft_path **out, haft_summary *summary, const haf
     haft_path_options options = c->path;
     options.keep_states = keep_states;
     double start = haft_clock_seconds();
-    haft_status status = haft_solve_path(out, model, laws->law, &c->programme, &options, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_solve_path(out, model, laws->law, &c->programme, &options, error));
     const haft_path *path = *out;
     haft_path_point end = {0}, turn = {0};
     if (path->points > 0) {

@@ -128,11 +128,8 @@ static haft_status take_complete(run *r) {
                               "%s: there is no unfinished run to %s; start one with `haft run`",
                               r->files->parts, r->mode == HAFT_RUN_MERGE ? "merge" : "resume");
     }
-    haft_status status = haft_results_read(&view, r->files->results, r->error);
-    if (status != HAFT_OK) {
-        return status;
-    }
-    status = check_same_case(r, view);
+    HAFT_TRY(haft_results_read(&view, r->files->results, r->error));
+    haft_status status = check_same_case(r, view);
     for (size_t k = 0; status == HAFT_OK && k < view->realizations; k++) {
         if (view->summary[k].outcome >= 0) {
             haft_scheduler_restore(&r->scheduler, k, &view->summary[k]);
@@ -164,11 +161,9 @@ static haft_status add_one(const run *r, haft_results *results, size_t k) {
         status = haft_study_site_laws(&laws, r->c, own != NULL ? own : r->laws, own != NULL ? 0 : k,
                                       r->error);
     }
-    if (status == HAFT_OK) {
-        status = haft_results_add(results, k, path, haft_model_get(r->model),
-                                  laws == NULL ? NULL : laws->law,
-                                  laws == NULL ? NULL : laws->vector, &summary, r->error);
-    }
+    HAFT_THEN(status, haft_results_add(results, k, path, haft_model_get(r->model),
+                                       laws == NULL ? NULL : laws->law,
+                                       laws == NULL ? NULL : laws->vector, &summary, r->error));
     haft_site_laws_destroy(&laws);
     haft_laws_destroy(&own);
     haft_path_destroy(&path);
@@ -185,9 +180,7 @@ static haft_status merge(run *r) {
             status = add_one(r, results, k);
         }
     }
-    if (status == HAFT_OK) {
-        status = haft_results_finish(&results, r->error);
-    }
+    HAFT_THEN(status, haft_results_finish(&results, r->error));
     haft_results_abandon(&results);
     return status;
 }
@@ -212,9 +205,7 @@ static haft_status save_laws(run *r, size_t n) {
                                  haft_model_get(r->model)->dofs, r->error);
         haft_path_destroy(&path);
     }
-    if (status == HAFT_OK) {
-        status = haft_laws_join(&r->laws, set, n, r->error);
-    }
+    HAFT_THEN(status, haft_laws_join(&r->laws, set, n, r->error));
     for (size_t k = 0; set != NULL && k < n; k++) {
         haft_laws_destroy(&set[k]);
     }
@@ -226,12 +217,8 @@ static haft_status save_laws(run *r, size_t n) {
 static haft_status conclude(run *r, haft_status outcome) {
     haft_error said = *r->error;
     haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, NULL, NULL, r->error);
-    if (status == HAFT_OK) {
-        status = save_laws(r, r->scheduler.prefix);
-    }
-    if (status == HAFT_OK) {
-        status = merge(r);
-    }
+    HAFT_THEN(status, save_laws(r, r->scheduler.prefix));
+    HAFT_THEN(status, merge(r));
     if (status == HAFT_OK && r->files->beside != NULL) {
         status = r->files->beside(r->files->user, r->scheduler.summary, r->laws, r->error);
     }
@@ -290,10 +277,7 @@ static haft_status build_together(run *r) {
 /* The laws as they lie there: a model must, beams' own laws need not. */
 static haft_status read_laws(run *r) {
     char built[HAFT_DIGEST_CAPACITY];
-    haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error));
     if (!haft_sampler_is_stochastic(r->c->law.sampler)) {
         return haft_study_obtain_laws(&r->laws, built, r->c, r->files->laws, NULL, r->error);
     }
@@ -303,7 +287,7 @@ static haft_status read_laws(run *r) {
                               "`haft-laws build %s`",
                               r->files->laws, r->files->folder);
     }
-    status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
+    haft_status status = haft_laws_read(&r->laws, built, r->files->laws, r->error);
     if (status == HAFT_OK && strcmp(built, r->laws_digest) != 0) {
         status = haft_study_rank() > 0
                      ? haft_error_set(r->error, HAFT_ERROR_INPUT,
@@ -335,13 +319,9 @@ static haft_status prepare(run *r) {
     } else {
         status = haft_study_obtain_laws(&r->laws, r->laws_digest, r->c, r->files->laws, r->progress,
                                         r->error);
-        if (status == HAFT_OK) {
-            status = build_together(r);
-        }
+        HAFT_THEN(status, build_together(r));
     }
-    if (status == HAFT_OK) {
-        status = make_shared(r);
-    }
+    HAFT_THEN(status, make_shared(r));
     if (status == HAFT_OK) { /* the old parts stay until here */
         status = r->mode == HAFT_RUN_ANEW ? haft_parts_clear(r->parts, r->error) : restore(r);
     }
@@ -391,9 +371,7 @@ static haft_status work(run *r) {
 
 static haft_status go(run *r) {
     haft_status status = prepare(r);
-    if (status == HAFT_OK) {
-        status = work(r);
-    }
+    HAFT_THEN(status, work(r));
     if (!r->started) {
         return status;
     }
@@ -421,10 +399,8 @@ static haft_status go(run *r) {
 /* Takes the folder of parts, and looks whether what is there lets this run begin. */
 static haft_status begin(run *r) {
     haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
-    if (status == HAFT_OK) {
-        status =
-            haft_parts_hold(&r->parts, r->files->parts, r->shard.index, r->shard.count, r->error);
-    }
+    HAFT_THEN(status, haft_parts_hold(&r->parts, r->files->parts, r->shard.index, r->shard.count,
+                                      r->error));
     if (status == HAFT_OK && r->mode == HAFT_RUN_NEW && r->shard.count == 0) {
         status = refuse_parts(r);
     } else if (status == HAFT_OK && r->mode != HAFT_RUN_ANEW) {
@@ -439,9 +415,7 @@ static haft_status lend_a_hand(run *r) {
         return HAFT_OK; /* rank 0 says why */
     }
     haft_status status = read_laws(r);
-    if (status == HAFT_OK) {
-        status = make_shared(r);
-    }
+    HAFT_THEN(status, make_shared(r));
     if (status == HAFT_OK) {
         haft_pool pool = {.c = r->c,
                           .laws = r->laws,
@@ -451,9 +425,7 @@ static haft_status lend_a_hand(run *r) {
                           .shard = r->shard,
                           .rank = haft_study_rank()};
         status = haft_pool_equip(&pool, NULL, NULL, r->error);
-        if (status == HAFT_OK) {
-            status = haft_pool_work(&pool, r->error);
-        }
+        HAFT_THEN(status, haft_pool_work(&pool, r->error));
         haft_pool_disband(&pool);
     }
     haft_relay_leave(status, r->error->message);
@@ -463,9 +435,7 @@ static haft_status lend_a_hand(run *r) {
 static haft_status lead(run *r, haft_summary *summary) {
     haft_status status =
         haft_scheduler_open(&r->scheduler, summary, r->c, r->shard, r->progress, r->error);
-    if (status == HAFT_OK) {
-        status = begin(r);
-    }
+    HAFT_THEN(status, begin(r));
     if (status == HAFT_OK) {
         if (r->shard.count == 0) { /* another machine's processes are not known here */
             haft_io_drop_stale(r->files->results);

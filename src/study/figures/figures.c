@@ -91,10 +91,7 @@ static haft_status write_vectors(const haft_laws *laws, const shown *s, const ch
     static const char *const name[] = {"site",       "Morse",        "e [mJ/m2]",    "f_max [MPa]",
                                        "d_max [nm]", "d_limit [nm]", "f_limit [MPa]"};
     haft_sheet t = {0};
-    haft_status status = haft_sheet_make(&t, s->count, 7, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, s->count, 7, error));
     for (size_t k = 0; k < s->count; k++) {
         const haft_law_vector *v = &s->vector[k];
         double row[7] = {(double)s->index[k],
@@ -126,12 +123,8 @@ static haft_status write_laws(const haft_case *c, const haft_laws *laws, const c
             show_sites(&s, c, sites, laws);
         }
     }
-    if (status == HAFT_OK) {
-        status = write_curves(c, laws, &s, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_vectors(laws, &s, directory, error);
-    }
+    HAFT_THEN(status, write_curves(c, laws, &s, directory, error));
+    HAFT_THEN(status, write_vectors(laws, &s, directory, error));
     haft_site_laws_destroy(&sites);
     return status;
 }
@@ -203,10 +196,7 @@ static haft_status write_shapes(const haft_case *c, const haft_path *path,
     size_t loading = choose_states(path, 0, path->turn, landed[0], chosen);
     size_t n = loading + choose_states(path, path->turn, last, landed[1], chosen + loading);
     haft_sheet t = {0};
-    haft_status status = haft_sheet_make(&t, n * SHAPE_POINTS, 7, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, n * SHAPE_POINTS, 7, error));
     for (size_t k = 0; k < n; k++) {
         bool unloading = k >= loading;
         size_t jump = landed[unloading];
@@ -229,10 +219,7 @@ static haft_status write_energy(const haft_path *path, const char *directory, ha
         rows += path->point[i].jump >= 0;
     }
     haft_sheet t = {0};
-    haft_status status = haft_sheet_make(&t, rows, 5, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, rows, 5, error));
     double *row = t.value;
     for (size_t i = 0; i < path->points; i++) {
         const haft_path_point *p = &path->point[i];
@@ -256,10 +243,7 @@ enum { JUMP_COLUMNS = 10 };
 
 static haft_status write_jumps(const haft_path *path, const char *directory, haft_error *error) {
     haft_sheet t = {0};
-    haft_status status = haft_sheet_make(&t, path->jumps, JUMP_COLUMNS, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, path->jumps, JUMP_COLUMNS, error));
     for (size_t i = 0; i < path->jumps; i++) {
         const haft_jump *j = &path->jump[i];
         double row[JUMP_COLUMNS] = {j->phase,
@@ -299,24 +283,16 @@ static haft_status write_path(const haft_case *c, const haft_laws *laws, const c
                                 "draw; choose another realization",
                                 results_path, realization, haft_outcome_name(path->outcome));
     }
-    if (status == HAFT_OK) {
-        status = haft_study_shapes(&shapes, c, laws, results_path, realization, error);
-    }
+    HAFT_THEN(status, haft_study_shapes(&shapes, c, laws, results_path, realization, error));
     if (status == HAFT_OK && shapes->points != path->points) {
         status = haft_error_set(error, HAFT_ERROR_INPUT,
                                 "%s: realization %zu holds %zu points and %zu shapes; run the "
                                 "case again with --force",
                                 results_path, realization, path->points, shapes->points);
     }
-    if (status == HAFT_OK) {
-        status = write_shapes(c, path, shapes, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_energy(path, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_jumps(path, directory, error);
-    }
+    HAFT_THEN(status, write_shapes(c, path, shapes, directory, error));
+    HAFT_THEN(status, write_energy(path, directory, error));
+    HAFT_THEN(status, write_jumps(path, directory, error));
     haft_results_shapes_destroy(&shapes);
     haft_path_destroy(&path);
     return status;

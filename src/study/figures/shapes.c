@@ -42,12 +42,8 @@ static haft_status follow_again(haft_results_shapes **out, const haft_case *c,
     haft_path *path = NULL;
     haft_summary summary;
     haft_status status = haft_model_create_beam(&model, &c->beam, &c->mesh, error);
-    if (status == HAFT_OK) {
-        status = haft_study_site_laws(&sites, c, laws, realization, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_study_realize(&path, &summary, c, model, sites, true, error);
-    }
+    HAFT_THEN(status, haft_study_site_laws(&sites, c, laws, realization, error));
+    HAFT_THEN(status, haft_study_realize(&path, &summary, c, model, sites, true, error));
     if (status == HAFT_OK) {
         *out = make_shapes(model, path->points, error);
         status = *out == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;

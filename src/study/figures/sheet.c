@@ -25,9 +25,7 @@ haft_status haft_sheet_write(haft_sheet *t, const char *directory, const char *n
                              haft_error *error) {
     char path[4096];
     haft_status status = haft_path_join(path, sizeof path, directory, name, error);
-    if (status == HAFT_OK) {
-        status = haft_csv_write(path, t->rows, t->columns, t->column, error);
-    }
+    HAFT_THEN(status, haft_csv_write(path, t->rows, t->columns, t->column, error));
     haft_sheet_drop(t);
     return status;
 }

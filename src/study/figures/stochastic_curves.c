@@ -25,10 +25,7 @@ static haft_status fill_section(haft_sheet *t, size_t curve, section s, const or
         double u = ((double)i + 0.5) / LINE, xi[N] = {0.5, 0.5, 0.5, 0.5};
         xi[0] = s.coordinate == 0 ? u : s.first;
         xi[s.coordinate] = u;
-        haft_status status = haft_chaos_inverse(laws->chaos, work, xi, NULL, eta, error);
-        if (status != HAFT_OK) {
-            return status;
-        }
+        HAFT_TRY(haft_chaos_inverse(laws->chaos, work, xi, NULL, eta, error));
         row[0] = (double)curve;
         row[1] = u;
         row[2] = eta[at];
@@ -51,9 +48,7 @@ haft_status haft_stochastic_write_map(const orders *o, const haft_laws *laws, co
     haft_chaos_work *work = NULL;
     haft_sheet t = {0};
     haft_status status = haft_chaos_work_create(&work, laws->chaos, error);
-    if (status == HAFT_OK) {
-        status = haft_sheet_make(&t, curves * LINE, 3 + o->n, error);
-    }
+    HAFT_THEN(status, haft_sheet_make(&t, curves * LINE, 3 + o->n, error));
     for (size_t i = 0; i < curves && status == HAFT_OK; i++) {
         status = fill_section(&t, i, sections[i], o, laws, work, error);
     }
@@ -87,9 +82,7 @@ haft_status haft_stochastic_write_orders(const haft_case *c, const haft_laws *la
     haft_chaos_get_parts(laws->chaos, &p);
     haft_study_list_orders(o);
     haft_status status = haft_study_model_orders(laws, c, ROWS, o, error);
-    if (status == HAFT_OK) {
-        status = haft_sheet_make(&t, ROWS, COLUMNS, error);
-    }
+    HAFT_THEN(status, haft_sheet_make(&t, ROWS, COLUMNS, error));
     for (size_t i = 0; i < ROWS && status == HAFT_OK; i++) {
         const haft_chaos_errors *e = &o[i].errors;
         double *row = t.value + i * COLUMNS;
@@ -125,10 +118,7 @@ static haft_status write_density(const haft_laws *laws, size_t n, const size_t *
     haft_chaos_kernels kernels = haft_stochastic_kernels(laws->chaos);
     double x[LINE], density[LINE], all = kernels.bandwidth, whole = (double)kernels.m;
     haft_sheet t;
-    haft_status status = haft_sheet_make(&t, LINE, 1 + n, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, LINE, 1 + n, error));
     haft_stochastic_grid(&kernels, 0, SHOWN, LINE, x);
     for (size_t k = 0; k < n; k++) {
         /* Scott's factor; a bandwidth that the case fixes is scaled alike */
@@ -160,9 +150,7 @@ static haft_status write_errors(const haft_case *c, const haft_laws *laws, size_
     haft_chaos_parts p;
     haft_chaos_get_parts(laws->chaos, &p);
     haft_status status = haft_study_model_vectors(laws, c, n, m, e, error);
-    if (status == HAFT_OK) {
-        status = haft_sheet_make(&t, n, COLUMNS, error);
-    }
+    HAFT_THEN(status, haft_sheet_make(&t, n, COLUMNS, error));
     if (status != HAFT_OK) {
         return status;
     }

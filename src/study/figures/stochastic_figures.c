@@ -87,9 +87,7 @@ static haft_status write_generated(const haft_case *c, const haft_laws *laws, co
     haft_sheet t;
     haft_status status = haft_chaos_sample(laws->chaos, NULL, HAFT_CHAOS_SAMPLER_GPCE, c->seed, 0,
                                            0, LAWS, vector, error);
-    if (status == HAFT_OK) {
-        status = haft_sheet_make(&t, POINTS, 1 + LAWS, error);
-    }
+    HAFT_THEN(status, haft_sheet_make(&t, POINTS, 1 + LAWS, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -245,10 +243,8 @@ static haft_status write_marginals(const haft_case *c, const haft_laws *laws, co
     double *x = haft_memory_alloc(p.m + DRAWN, sizeof *x, error);
     haft_status status =
         drawn == NULL || x == NULL ? HAFT_ERROR_MEMORY : haft_sheet_make(&t, N * BINS, 4, error);
-    if (status == HAFT_OK) {
-        status = haft_chaos_sample(laws->chaos, NULL, HAFT_CHAOS_SAMPLER_GPCE, c->seed, 0, 0, DRAWN,
-                                   drawn, error);
-    }
+    HAFT_THEN(status, haft_chaos_sample(laws->chaos, NULL, HAFT_CHAOS_SAMPLER_GPCE, c->seed, 0, 0,
+                                        DRAWN, drawn, error));
     for (int i = 0; i < N && status == HAFT_OK; i++) {
         for (size_t k = 0; k < p.m + DRAWN; k++) {
             x[k] = number_of(k < p.m ? &p.vector[k] : &drawn[k - p.m], i);
@@ -278,27 +274,13 @@ haft_status haft_study_write_model_figures(const haft_case *c, const haft_laws *
                                            const char *directory, haft_error *error) {
     orders o = {0};
     haft_status status = write_generated(c, laws, directory, error);
-    if (status == HAFT_OK) {
-        status = write_reduction(c, laws, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_marginals(c, laws, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_stochastic_orders_open(&o, c, laws, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_components(&o, laws, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_joint(&o, laws, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_stochastic_write_map(&o, laws, directory, error);
-    }
+    HAFT_THEN(status, write_reduction(c, laws, directory, error));
+    HAFT_THEN(status, write_marginals(c, laws, directory, error));
+    HAFT_THEN(status, haft_stochastic_orders_open(&o, c, laws, error));
+    HAFT_THEN(status, write_components(&o, laws, directory, error));
+    HAFT_THEN(status, write_joint(&o, laws, directory, error));
+    HAFT_THEN(status, haft_stochastic_write_map(&o, laws, directory, error));
     haft_stochastic_orders_close(&o);
-    if (status == HAFT_OK) {
-        status = haft_stochastic_write_orders(c, laws, directory, error);
-    }
+    HAFT_THEN(status, haft_stochastic_write_orders(c, laws, directory, error));
     return status == HAFT_OK ? haft_stochastic_write_parts(c, laws, directory, error) : status;
 }

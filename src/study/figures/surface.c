@@ -26,15 +26,9 @@ static haft_status generate_piece(piece *p, const haft_case *c, size_t patches, 
     haft_surface_plan *plan = NULL;
     haft_surface_work *work = NULL;
     haft_status status = haft_study_surface_plan(&plan, c, patches, error);
-    if (status == HAFT_OK) {
-        status = haft_surface_work_create(&work, plan, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_surface_prepare(work, 0, 0, 0, error);
-    }
-    if (status == HAFT_OK) {
-        status = haft_surface_rows(work, 0, p->rows, p->z, error);
-    }
+    HAFT_THEN(status, haft_surface_work_create(&work, plan, error));
+    HAFT_THEN(status, haft_surface_prepare(work, 0, 0, 0, error));
+    HAFT_THEN(status, haft_surface_rows(work, 0, p->rows, p->z, error));
     haft_surface_work_destroy(&work);
     haft_surface_plan_destroy(&plan);
     return status;
@@ -44,10 +38,7 @@ static haft_status generate_piece(piece *p, const haft_case *c, size_t patches, 
  * corner; of maps, whose waves are as short as their pixels, its first patch alone. */
 static haft_status draw_piece(piece *p, const haft_case *c, haft_error *error) {
     haft_tiling *tiling = NULL;
-    haft_status status = haft_study_tiling(&tiling, c, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_study_tiling(&tiling, c, error));
     double step = c->surface.grid_step;
     size_t patch = (size_t)llround(c->mesh.l_meso / step), shown = (size_t)llround(MAP_SIZE / step);
     size_t ratio = tiling != NULL ? 1 : haft_surface_lattice_ratio(&c->surface.psd, step);
@@ -56,7 +47,7 @@ static haft_status draw_piece(piece *p, const haft_case *c, haft_error *error) {
     size_t rows = shown > SPECTRUM_LEAST * p->stride ? shown : SPECTRUM_LEAST * p->stride;
     p->rows = tiling != NULL ? patch : rows;
     p->z = haft_memory_alloc(p->rows * p->columns, sizeof *p->z, error);
-    status = p->z == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    haft_status status = p->z == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
     if (status == HAFT_OK && tiling != NULL) {
         haft_tiling_fill(tiling, 0, 0, p->z);
     } else if (status == HAFT_OK) {
@@ -71,10 +62,7 @@ static haft_status write_heights(const piece *p, const char *directory, haft_err
     static const char *const name[] = {"x [um]", "y [um]", "z [nm]"};
     haft_sheet t = {0};
     size_t shown = (size_t)llround(MAP_SIZE / p->step), side = p->rows < shown ? p->rows : shown;
-    haft_status status = haft_sheet_make(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, (size_t)MAP_POINTS * MAP_POINTS, 3, error));
     for (size_t i = 0; i < MAP_POINTS; i++) {
         for (size_t j = 0; j < MAP_POINTS; j++) {
             size_t r = i * side / MAP_POINTS, s = j * side / MAP_POINTS;
@@ -101,17 +89,14 @@ static haft_status measure(haft_psd_table **out, const piece *p, haft_error *err
     if (rows < SPECTRUM_LEAST || columns < SPECTRUM_LEAST) {
         return HAFT_OK;
     }
-    haft_status status = haft_map_create(&map, rows, columns, step, step, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_map_create(&map, rows, columns, step, step, error));
     for (size_t i = 0; i < rows; i++) {
         for (size_t j = 0; j < columns; j++) {
             map->z[i * columns + j] = p->z[p->stride * (i * p->columns + j)];
         }
     }
     const haft_map *const maps[] = {map};
-    status = haft_psd_estimate(out, 1, maps, HAFT_WINDOW_HANN, error);
+    haft_status status = haft_psd_estimate(out, 1, maps, HAFT_WINDOW_HANN, error);
     haft_map_destroy(&map);
     return status;
 }
@@ -129,10 +114,7 @@ static haft_status write_asked(const haft_case *c, const haft_psd_table *measure
     double low = 0.1 * psd->zeta_0, most = psd->zeta_max;
     low = measured != NULL ? fmin(low, measured->zeta[0]) : low;
     haft_sheet t = {0};
-    haft_status status = haft_sheet_make(&t, ASKED_POINTS, 2, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, ASKED_POINTS, 2, error));
     for (size_t i = 0; i < ASKED_POINTS; i++) {
         double share = (double)i / (ASKED_POINTS - 1);
         double zeta = i + 1 < ASKED_POINTS ? low * pow(most / low, share) : most;
@@ -154,10 +136,7 @@ static haft_status write_rings(const haft_case *c, const haft_psd_table *measure
            measured->zeta[n] * RING_REACH < c->surface.psd.zeta_max) {
         n++;
     }
-    haft_status status = haft_sheet_make(&t, n > 0 ? n : 1, 4, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_sheet_make(&t, n > 0 ? n : 1, 4, error));
     for (size_t i = 0; i < t.rows; i++) {
         double *row = t.value + 4 * i;
         row[0] = n > 0 ? measured->zeta[i] * 1e-6 : NAN;
@@ -173,18 +152,10 @@ haft_status haft_study_write_surface(const haft_case *c, const char *directory, 
     piece p = {0};
     haft_psd_table *measured = NULL;
     haft_status status = draw_piece(&p, c, error);
-    if (status == HAFT_OK) {
-        status = write_heights(&p, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = measure(&measured, &p, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_asked(c, measured, directory, error);
-    }
-    if (status == HAFT_OK) {
-        status = write_rings(c, measured, directory, error);
-    }
+    HAFT_THEN(status, write_heights(&p, directory, error));
+    HAFT_THEN(status, measure(&measured, &p, error));
+    HAFT_THEN(status, write_asked(c, measured, directory, error));
+    HAFT_THEN(status, write_rings(c, measured, directory, error));
     haft_psd_table_destroy(&measured);
     haft_memory_free(p.z);
     return status;

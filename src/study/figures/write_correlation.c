@@ -16,9 +16,7 @@ haft_status haft_study_write_correlation(const haft_case *c, const haft_laws *la
     double confidence = c->stop.confidence > 0 ? c->stop.confidence : HAFT_STUDY_CONFIDENCE;
     haft_sheet t;
     haft_status status = haft_study_correlate_laws(laws, lags, out, error);
-    if (status == HAFT_OK) {
-        status = haft_sheet_make(&t, lags + 1, COLUMNS, error);
-    }
+    HAFT_THEN(status, haft_sheet_make(&t, lags + 1, COLUMNS, error));
     if (status != HAFT_OK) {
         return status;
     }

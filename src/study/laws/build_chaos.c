@@ -34,9 +34,7 @@ haft_status haft_study_build_chaos(haft_laws *laws, const haft_case *c, haft_err
     }
     haft_chaos_effort effort = {0};
     haft_status status = haft_stochastic_create(&laws->chaos, m, sound, c, error);
-    if (status == HAFT_OK) {
-        status = haft_chaos_measure(laws->chaos, &effort, &laws->errors, error);
-    }
+    HAFT_THEN(status, haft_chaos_measure(laws->chaos, &effort, &laws->errors, error));
     if (status == HAFT_ERROR_INPUT) {
         haft_error_prefix(error, "the stochastic model of %zu sound vectors of %zu: ", m, laws->m);
     }
@@ -46,10 +44,7 @@ haft_status haft_study_build_chaos(haft_laws *laws, const haft_case *c, haft_err
 
 haft_status haft_study_fit_laws(haft_laws **out, const haft_case *c, size_t m,
                                 const haft_law_vector *vector, haft_error *error) {
-    haft_status status = haft_laws_create(out, m, 0, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_laws_create(out, m, 0, error));
     haft_laws *laws = *out;
     laws->sites = m;
     laws->f_limit = haft_case_limit(c);
@@ -58,7 +53,7 @@ haft_status haft_study_fit_laws(haft_laws **out, const haft_case *c, size_t m,
         laws->vector[k] = vector[k];
         laws->fault[k] = haft_law_vector_fault(&vector[k], laws->f_limit);
     }
-    status = haft_study_build_chaos(laws, c, error);
+    haft_status status = haft_study_build_chaos(laws, c, error);
     if (status != HAFT_OK) {
         haft_laws_destroy(out);
     }
@@ -78,10 +73,8 @@ haft_status haft_study_draw(const haft_laws *laws, const haft_case *c, size_t re
     if (sampler == HAFT_CHAOS_SAMPLER_EXACT) {
         status = haft_chaos_work_create(&work, laws->chaos, error);
     }
-    if (status == HAFT_OK) {
-        status = haft_chaos_sample(laws->chaos, work, sampler, c->seed, realization, 0, n, vector,
-                                   error);
-    }
+    HAFT_THEN(status, haft_chaos_sample(laws->chaos, work, sampler, c->seed, realization, 0, n,
+                                        vector, error));
     haft_chaos_work_destroy(&work);
     return status;
 }

@@ -86,9 +86,7 @@ static haft_status run_build(build *b, haft_error *error) {
         status = haft_builder_hand_create(&b->hand[i], (const haft_builder *const *)b->builder,
                                           b->cases, error);
     }
-    if (status == HAFT_OK) {
-        status = do_all_blocks(b, error);
-    }
+    HAFT_THEN(status, do_all_blocks(b, error));
     for (int i = 0; i < b->hands; i++) {
         haft_builder_hand_destroy(&b->hand[i]);
     }
@@ -106,9 +104,7 @@ static haft_status drop_curves(haft_laws **laws, const haft_case *c, haft_error 
         status = haft_study_take_laws(&set[k], c, all, k, k, error);
     }
     haft_laws_destroy(laws);
-    if (status == HAFT_OK) {
-        status = haft_laws_join(laws, set, sets, error);
-    }
+    HAFT_THEN(status, haft_laws_join(laws, set, sets, error));
     for (size_t k = 0; set != NULL && k < sets; k++) {
         haft_laws_destroy(&set[k]);
     }
@@ -122,9 +118,7 @@ static haft_status prepare(build *b, const haft_case *const *c, haft_error *erro
     haft_status status = b->builder == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
     for (size_t i = 0; i < b->cases && status == HAFT_OK; i++) {
         status = haft_builder_create(&b->builder[i], c[i], i > 0 ? b->builder[0] : NULL, error);
-        if (status == HAFT_OK) {
-            status = haft_builder_room(&b->laws[i], b->builder[i], b->sets, error);
-        }
+        HAFT_THEN(status, haft_builder_room(&b->laws[i], b->builder[i], b->sets, error));
     }
     if (status == HAFT_OK) {
         b->blocks = b->builder[0]->end_block - b->builder[0]->first_block;
@@ -137,9 +131,7 @@ static haft_status read_off(haft_laws **out, const haft_case *const *c, size_t c
                             const haft_progress *progress, haft_error *error) {
     build b = {.cases = cases, .laws = out, .sets = sets, .progress = progress};
     haft_status status = prepare(&b, c, error);
-    if (status == HAFT_OK) {
-        status = run_build(&b, error);
-    }
+    HAFT_THEN(status, run_build(&b, error));
     for (size_t i = 0; i < cases; i++) {
         if (b.builder != NULL) {
             haft_builder_destroy(&b.builder[i]);

@@ -137,9 +137,7 @@ static haft_status fill_hand(haft_builder_hand *w, const haft_builder *const *bu
     if (b->plan != NULL) {
         status = haft_surface_work_create(&w->surface, b->plan, error);
     }
-    if (status == HAFT_OK) {
-        status = haft_contact_work_create(&w->contact, rows, columns, error);
-    }
+    HAFT_THEN(status, haft_contact_work_create(&w->contact, rows, columns, error));
     if (status != HAFT_OK) {
         return status;
     }
@@ -289,9 +287,7 @@ haft_status haft_builder_block(const haft_builder *const *all, haft_builder_hand
                                               whole ? (long)(start * rows) : 0, error);
     for (size_t r = first; r < end && status == HAFT_OK; r++) {
         status = haft_surface_rows(w->surface, (r - start) * rows, rows, w->z, error);
-        if (status == HAFT_OK) {
-            status = enter_patch(all, w, laws, row + r - b->first_site, error);
-        }
+        HAFT_THEN(status, enter_patch(all, w, laws, row + r - b->first_site, error));
     }
     return status;
 }
@@ -304,9 +300,7 @@ haft_status haft_builder_realize(haft_laws **out, const haft_builder *b, haft_bu
     for (size_t k = b->first_block; k < b->end_block && status == HAFT_OK; k++) {
         status = haft_builder_block(&b, w, realization, k, &all, 0, error);
     }
-    if (status == HAFT_OK) {
-        status = haft_study_take_laws(out, b->c, all, 0, realization, error);
-    }
+    HAFT_THEN(status, haft_study_take_laws(out, b->c, all, 0, realization, error));
     haft_laws_destroy(&all);
     return status;
 }

@@ -56,12 +56,9 @@ static void tell_forces(const haft_case *c, const haft_progress *progress) {
 
 static haft_status build_model(haft_laws **out, const haft_case *c, const char *path,
                                const haft_progress *progress, haft_error *error) {
-    haft_status status = haft_study_build_laws(out, c, progress, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_study_build_laws(out, c, progress, error));
     tell_left_out(c, *out, progress);
-    status = haft_laws_write(*out, c, path, error);
+    haft_status status = haft_laws_write(*out, c, path, error);
     if (status != HAFT_OK) {
         haft_laws_destroy(out);
     }

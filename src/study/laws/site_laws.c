@@ -39,20 +39,20 @@ static haft_status make_table(haft_site_laws *s, const haft_laws *laws, size_t r
  * table where the case allows it. */
 static haft_status make_law(haft_site_laws *s, const haft_case *c, const haft_laws *laws, size_t r,
                             size_t k, size_t slot, haft_error *error) {
-    bool sound = laws->fault[k] == HAFT_LAW_SOUND;
+    haft_law_fault fault = laws->fault[k];
+    if (fault == HAFT_LAW_SOUND && c->law.kind == HAFT_LAW_MORSE) {
+        fault = haft_law_morse(&s->law[r], &laws->vector[k], laws->f_limit);
+    }
     s->vector[r] = laws->vector[k];
-    s->unfit += !sound;
-    if (c->law.kind == HAFT_LAW_MORSE && sound) {
-        return haft_law_morse(&s->law[r], &laws->vector[k], laws->f_limit) == HAFT_LAW_SOUND
-                   ? HAFT_OK
-                   : haft_error_set(error, HAFT_ERROR_INPUT,
-                                    "law %zu is marked sound, but its vector has no Morse law", k);
+    s->unfit += fault != HAFT_LAW_SOUND;
+    if (fault == HAFT_LAW_SOUND && c->law.kind == HAFT_LAW_MORSE) {
+        return HAFT_OK;
     }
     if (c->law.kind == HAFT_LAW_MORSE && c->law.unfit == HAFT_UNFIT_STOP) {
         return haft_error_set(error, HAFT_ERROR_INPUT,
                               "no Morse law fits the curve of site %zu (%s); set law.unfit: table "
                               "to use such curves themselves, or law.kind: table to use all",
-                              r, haft_law_fault_name(laws->fault[k]));
+                              r, haft_law_fault_name(fault));
     }
     return make_table(s, laws, r, k, slot, error);
 }
@@ -192,11 +192,9 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
     bool drawn = haft_sampler_is_stochastic(c->law.sampler), patches = haft_study_draws_patches(c);
     size_t sites = haft_study_sites(c);
     haft_status status = create(out, sites, drawn && patches ? laws->m : sites, error);
-    if (status == HAFT_OK) {
-        status = (!drawn    ? use_laws
-                  : patches ? draw_patches
-                            : draw_laws)(*out, c, laws, realization, error);
-    }
+    HAFT_THEN(status, (!drawn    ? use_laws
+                       : patches ? draw_patches
+                                 : draw_laws)(*out, c, laws, realization, error));
     if (status != HAFT_OK) {
         haft_site_laws_destroy(out);
     }
@@ -207,9 +205,7 @@ haft_status haft_study_try_law(const haft_case *c, const haft_laws *laws, size_t
                                haft_error *error) {
     haft_site_laws *s = NULL;
     haft_status status = create(&s, site + 1, 1, error);
-    if (status == HAFT_OK) {
-        status = make_law(s, c, laws, site, 0, 0, error);
-    }
+    HAFT_THEN(status, make_law(s, c, laws, site, 0, 0, error));
     haft_site_laws_destroy(&s);
     return status;
 }

@@ -43,10 +43,8 @@ haft_status haft_stochastic_draw_components(const haft_chaos *drawn, const haft_
     haft_chaos_get_parts(seen, &p);
     haft_law_vector *vector = haft_memory_alloc(n, sizeof *vector, error);
     haft_status status = vector == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    if (status == HAFT_OK) {
-        status =
-            haft_chaos_sample(drawn, NULL, HAFT_CHAOS_SAMPLER_GPCE, seed, 0, 0, n, vector, error);
-    }
+    HAFT_THEN(status, haft_chaos_sample(drawn, NULL, HAFT_CHAOS_SAMPLER_GPCE, seed, 0, 0, n, vector,
+                                        error));
     for (size_t k = 0; k < n && status == HAFT_OK; k++) {
         double q[HAFT_CHAOS_DIMENSION], one[HAFT_CHAOS_DIMENSION];
         haft_chaos_q_from_vector(seen, &vector[k], q);

@@ -137,18 +137,14 @@ static haft_status measure(haft_budget_term *term, haft_changed_set *set, const 
     const haft_changed *side[2] = {NULL, NULL};
     haft_error own = {0};
     haft_status status = haft_changed_get(&side[0], set, p->from, &own);
-    if (status == HAFT_OK) {
-        status = haft_changed_get(&side[1], set, p->to, &own);
-    }
+    HAFT_THEN(status, haft_changed_get(&side[1], set, p->to, &own));
     if (status == HAFT_ERROR_INPUT) { /* a refinement that this case cannot have */
         take_reason(term, &own);
         return HAFT_OK;
     }
     haft_difference both;
-    if (status == HAFT_OK) {
-        status = haft_study_differ(&both, side[0]->c, side[0]->beam, set->beams, side[1]->c,
-                                   side[1]->beam, set->beams, &own);
-    }
+    HAFT_THEN(status, haft_study_differ(&both, side[0]->c, side[0]->beam, set->beams, side[1]->c,
+                                        side[1]->beam, set->beams, &own));
     if (status != HAFT_OK) {
         return haft_error_set(error, status, "%s", own.message);
     }
@@ -186,10 +182,7 @@ static haft_status measure_interaction(haft_budget *out, haft_changed_set *set, 
         }
         for (int j = 0; j < 2; j++) {
             unsigned changes = together ? (j == 0 ? 0 : all) : j == 0 ? p[i].from : p[i].to;
-            haft_status status = haft_changed_get(&side[sides], set, changes, error);
-            if (status != HAFT_OK) {
-                return status;
-            }
+            HAFT_TRY(haft_changed_get(&side[sides], set, changes, error));
             sign[sides++] = (j == 1) == together ? 1 : -1;
         }
     }

@@ -70,10 +70,7 @@ haft_status haft_study_write_budget(const haft_budget *budget, const haft_case *
                                     haft_error *error) {
     char digest[HAFT_DIGEST_CAPACITY], *text = NULL;
     size_t size = 0;
-    haft_status status = digest_of(digest, c, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(digest_of(digest, c, error));
     FILE *stream = open_memstream(&text, &size);
     bool failed = stream == NULL;
     if (!failed) {
@@ -81,8 +78,9 @@ haft_status haft_study_write_budget(const haft_budget *budget, const haft_case *
         failed = ferror(stream) != 0;
         failed = fclose(stream) != 0 || failed || text == NULL; /* the last may fail in silence */
     }
-    status = failed ? haft_error_set(error, HAFT_ERROR_MEMORY, "%s: out of memory", path)
-                    : haft_text_write(path, text, error);
+    haft_status status = failed
+                             ? haft_error_set(error, HAFT_ERROR_MEMORY, "%s: out of memory", path)
+                             : haft_text_write(path, text, error);
     free(text);
     return status;
 }
@@ -204,12 +202,8 @@ haft_status haft_study_read_budget(haft_budget *out, const haft_case *c, const c
     size_t size = 0;
     *out = (haft_budget){0};
     haft_status status = digest_of(digest, c, error);
-    if (status == HAFT_OK) {
-        status = haft_text_read(&text, &size, path, BYTES_MOST, error);
-    }
-    if (status == HAFT_OK) {
-        status = read_rows(out, digest, text, path, error);
-    }
+    HAFT_THEN(status, haft_text_read(&text, &size, path, BYTES_MOST, error));
+    HAFT_THEN(status, read_rows(out, digest, text, path, error));
     haft_memory_free(text);
     return status;
 }

@@ -94,9 +94,7 @@ static haft_status obtain_laws(const haft_laws **laws, double *seconds, haft_cha
     }
     haft_laws *built = NULL;
     double start = haft_clock_seconds();
-    if (status == HAFT_OK) {
-        status = haft_study_build_laws(&built, c, &inner, error);
-    }
+    HAFT_THEN(status, haft_study_build_laws(&built, c, &inner, error));
     if (status == HAFT_OK) {
         size_t i = set->laws_count++;
         memcpy(set->built[i].digest, digest, sizeof digest);
@@ -112,9 +110,7 @@ static haft_status follow(haft_summary *beam, const haft_case *c, const haft_mod
     haft_site_laws *sites = NULL;
     haft_path *path = NULL;
     haft_status status = haft_study_site_laws(&sites, c, laws, k, error);
-    if (status == HAFT_OK) {
-        status = haft_study_realize(&path, beam, c, model, sites, false, error);
-    }
+    HAFT_THEN(status, haft_study_realize(&path, beam, c, model, sites, false, error));
     haft_path_destroy(&path);
     haft_site_laws_destroy(&sites);
     return status;
@@ -167,13 +163,9 @@ haft_status haft_changed_get(const haft_changed **out, haft_changed_set *set, un
                         .beam = haft_memory_alloc(set->beams, sizeof *own.beam, error)};
     double seconds = 0;
     haft_status status = own.beam == NULL ? HAFT_ERROR_MEMORY : make_case(&own, set, error);
-    if (status == HAFT_OK) {
-        status = obtain_laws(&laws, &seconds, set, own.c, error);
-    }
+    HAFT_THEN(status, obtain_laws(&laws, &seconds, set, own.c, error));
     double start = haft_clock_seconds();
-    if (status == HAFT_OK) {
-        status = follow_all(&own, set, laws, error);
-    }
+    HAFT_THEN(status, follow_all(&own, set, laws, error));
     own.seconds = (seconds + haft_clock_seconds() - start) / (double)set->beams;
     if (status != HAFT_OK) {
         haft_memory_free(own.beam);

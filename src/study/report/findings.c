@@ -21,10 +21,7 @@ haft_status haft_study_correlation_length(double *length, const haft_case *c, do
                                           haft_error *error) {
     haft_surface_plan *plan = NULL;
     *length = NAN;
-    haft_status status = haft_study_surface_plan(&plan, c, 1, error);
-    if (status != HAFT_OK) {
-        return status;
-    }
+    HAFT_TRY(haft_study_surface_plan(&plan, c, 1, error));
     long last = lround(c->beam.width / c->surface.grid_step) - 1;
     double variance = haft_surface_covariance(plan, 0, 0);
     long lag = last;
@@ -281,9 +278,7 @@ haft_status haft_study_find(haft_findings *out, const haft_case *c, const haft_l
                        .statistics = haft_study_statistics(c, summary, c->realizations)};
     *out = (haft_findings){0};
     haft_status status = gather(&e, realization, error);
-    if (status == HAFT_OK) {
-        status = find_certificates(out, &e, error);
-    }
+    HAFT_THEN(status, find_certificates(out, &e, error));
     if (status == HAFT_OK) {
         find_ledger(out, &e.statistics);
         find_outcomes(out, &e);

@@ -216,9 +216,7 @@ haft_status haft_study_differ(haft_difference *out, const haft_case *first,
                              .pair_interval = {NAN, NAN},
                              .correlation = NAN};
     haft_status status = gather(&l[0], first_beam, first_beams, error);
-    if (status == HAFT_OK) {
-        status = gather(&l[1], second_beam, second_beams, error);
-    }
+    HAFT_THEN(status, gather(&l[1], second_beam, second_beams, error));
     for (int i = 0; i < 2 && status == HAFT_OK; i++) {
         mean[i] = s[i].mean;
         deviation[i] = s[i].deviation;

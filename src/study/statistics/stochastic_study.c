@@ -17,9 +17,7 @@ static haft_status study_order(haft_order_error *out, const haft_chaos_parts *p,
     haft_chaos_effort effort = {.maps = 1, .samples = SAMPLES};
     haft_status status =
         haft_stochastic_create_of_order(&chaos, p->m, p->vector, c, out->germ, out->order, error);
-    if (status == HAFT_OK) {
-        status = haft_chaos_measure(chaos, &effort, &out->errors, error);
-    }
+    HAFT_THEN(status, haft_chaos_measure(chaos, &effort, &out->errors, error));
     if (status == HAFT_OK) {
         haft_chaos_relmise(chaos, HAFT_STUDY_MAPS, xi, eta, out->errors.relmise,
                            &out->errors.relmise_total);
@@ -113,13 +111,9 @@ static haft_status study_part(part *out, const whole *w, const haft_case *c, siz
     haft_chaos_effort effort = {.maps = MAPS, .samples = 1};
     size_t g = w->p.components;
     haft_status status = haft_stochastic_create(&chaos, m, w->p.vector + first, c, error);
-    if (status == HAFT_OK) {
-        status = haft_chaos_measure(chaos, &effort, &errors, error);
-    }
-    if (status == HAFT_OK) {
-        status =
-            haft_stochastic_draw_components(chaos, w->chaos, c->seed, SAMPLES, w->drawn, error);
-    }
+    HAFT_THEN(status, haft_chaos_measure(chaos, &effort, &errors, error));
+    HAFT_THEN(status,
+              haft_stochastic_draw_components(chaos, w->chaos, c->seed, SAMPLES, w->drawn, error));
     if (status == HAFT_OK) {
         haft_chaos_kernels kernels = haft_stochastic_kernels(chaos);
         kernels.centre = w->p.centre + first * g;
