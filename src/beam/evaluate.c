@@ -44,12 +44,12 @@ static size_t evaluate_stretch(const haft_model *model, const haft_stretch *s,
 }
 
 /* Multiplies forces [Pa] by areas, in units of energy, and slopes likewise with their sign turned,
- * which makes them stiffnesses. @return the energy [J] of the sites nil .. n - 1, n rounded up to
+ * which makes them stiffnesses. @return the energy [J] of the sites zeros .. n - 1, n rounded up to
  * the SIMD width; adds the sum of |force| [N] to *pushed */
-HAFT_CLONES static double weigh_stretch(const double *area, size_t nil, size_t n, double unit,
+HAFT_CLONES static double weigh_stretch(const double *area, size_t zeros, size_t n, double unit,
                                         stretch_state *s, double *pushed) {
     double energy[HAFT_SIMD_WIDTH] = {0}, push[HAFT_SIMD_WIDTH] = {0}, by_unit = 1 / unit, sum = 0;
-    for (size_t i = nil; i < n; i += HAFT_SIMD_WIDTH) {
+    for (size_t i = zeros; i < n; i += HAFT_SIMD_WIDTH) {
         const double *here = area + i, *potential = s->potential + i;
         double *force = s->force + i, *slope = s->slope + i;
 #pragma omp simd
@@ -69,10 +69,10 @@ HAFT_CLONES static double weigh_stretch(const double *area, size_t nil, size_t n
 }
 
 /* The largest term that n sites, in whole lanes, give the gradient. */
-HAFT_CLONES static double largest_term(const double *top, size_t nil, size_t n,
+HAFT_CLONES static double largest_term(const double *top, size_t zeros, size_t n,
                                        const double *force) {
     double part[HAFT_SIMD_WIDTH] = {0}, largest = 0;
-    for (size_t i = nil; i < n; i += HAFT_SIMD_WIDTH) {
+    for (size_t i = zeros; i < n; i += HAFT_SIMD_WIDTH) {
         for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             part[k] = larger(fabs(force[i + k]) * top[i + k], part[k]);
         }
@@ -92,20 +92,20 @@ static double add_contact(const haft_model *model, const haft_law_rows *laws, co
     stretch_state state;
     for (size_t n = 0; n < model->stretches; n++) {
         const haft_stretch *s = &model->layout->stretch[n];
-        size_t nil = evaluate_stretch(model, s, laws, u, &state);
+        size_t zeros = evaluate_stretch(model, s, laws, u, &state);
         size_t sites = haft_stretch_sites(model, s);
         if (gap != NULL) {
             memcpy(gap + s->first, state.d, sites * sizeof *gap);
         }
-        energy += weigh_stretch(model->layout->area + s->first, nil, sites, model->data.energy_unit,
-                                &state, &pushed);
+        energy += weigh_stretch(model->layout->area + s->first, zeros, sites,
+                                model->data.energy_unit, &state, &pushed);
         if (site_stiffness != NULL) {
             memcpy(site_stiffness + s->first, state.slope, sites * sizeof *site_stiffness);
         }
-        haft_stretch_assemble(model, s, nil, state.force, state.slope, gradient, hessian);
+        haft_stretch_assemble(model, s, zeros, state.force, state.slope, gradient, hessian);
         if (largest != NULL) {
             const double *top = model->layout->top + s->first;
-            *largest = larger(*largest, largest_term(top, nil, sites, state.force));
+            *largest = larger(*largest, largest_term(top, zeros, sites, state.force));
         }
     }
     *rounding += pushed * model->data.gap;
@@ -140,10 +140,10 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
 }
 
 /* Pushes into forces, in units of energy. */
-HAFT_CLONES static void weigh_forces(const double *area, size_t nil, size_t n, double unit,
+HAFT_CLONES static void weigh_forces(const double *area, size_t zeros, size_t n, double unit,
                                      double *force) {
     double by_unit = 1 / unit;
-    for (size_t i = nil; i < n; i += HAFT_SIMD_WIDTH) {
+    for (size_t i = zeros; i < n; i += HAFT_SIMD_WIDTH) {
         for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
             force[i + k] *= area[i + k] * by_unit;
         }
@@ -160,10 +160,10 @@ void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, con
         const haft_stretch *s = &model->layout->stretch[n];
         haft_stretch_gaps(model, s, u, d);
         size_t sites = haft_stretch_sites(model, s);
-        size_t nil = haft_law_rows_evaluate(laws, s->first, sites, d, &values);
+        size_t zeros = haft_law_rows_evaluate(laws, s->first, sites, d, &values);
         clear_padding(force, sites);
-        weigh_forces(model->layout->area + s->first, nil, sites, model->data.energy_unit, force);
-        haft_stretch_assemble(model, s, nil, force, force, gradient, NULL);
+        weigh_forces(model->layout->area + s->first, zeros, sites, model->data.energy_unit, force);
+        haft_stretch_assemble(model, s, zeros, force, force, gradient, NULL);
     }
     add_load(&model->data.load, -load / model->data.energy_unit, gradient, &largest);
 }

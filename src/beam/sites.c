@@ -331,11 +331,11 @@ HAFT_INLINE void scatter_stiffness(const double *share, size_t sites, const doub
     }
 }
 
-HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s, size_t nil,
+HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s, size_t zeros,
                                  const double *force, const double *stiffness, double *gradient,
                                  double *hessian) {
     const haft_layout *layout = model->layout;
-    size_t start = s->first + nil, end = s->first + haft_stretch_sites(model, s);
+    size_t start = s->first + zeros, end = s->first + haft_stretch_sites(model, s);
     const haft_run *run = &layout->run[s->first_run];
     for (size_t n = 0; n < s->runs && run->first < end; n++, run++) {
         size_t first = run->first, past = first + run->sites;
@@ -363,10 +363,10 @@ HAFT_CLONES static void assemble(const haft_model *model, const haft_stretch *s,
     }
 }
 
-void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t nil,
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t zeros,
                            const double *force, const double *stiffness, double *gradient,
                            double *hessian) {
-    assemble(model, s, nil, force, stiffness, gradient, hessian);
+    assemble(model, s, zeros, force, stiffness, gradient, hessian);
 }
 
 void haft_model_displacements(const haft_model *model, const double *v, double *w) {

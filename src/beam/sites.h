@@ -49,11 +49,11 @@ struct haft_layout {
     size_t stride;
     haft_stretch *stretch;
     haft_run *run;
-    double *shape;   /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
-    double *area;    /* stride: [m^2], nil behind the model's last site, but not behind a front's */
-    double *top;     /* stride: the greatest of a site's shapes in size [m] */
-    double *term;    /* HAFT_SPAN a site: the same, a site's side by side */
-    double *share;   /* HAFT_SPAN^2 a site: products of its shapes, by columns of the Hessian */
+    double *shape; /* HAFT_SPAN rows of `stride`: term k of site r at k stride + r [m] */
+    double *area;  /* stride: [m^2], zeros behind the model's last site, but not behind a front's */
+    double *top;   /* stride: the greatest of a site's shapes in size [m] */
+    double *term;  /* HAFT_SPAN a site: the same, a site's side by side */
+    double *share; /* HAFT_SPAN^2 a site: products of its shapes, by columns of the Hessian */
     int *dof, *slot; /* of each site: its first unknown, and that one's place on the diagonal */
     size_t element_runs;
     size_t *element_run; /* the first elements of runs that are alike and lie side by side */
@@ -78,12 +78,12 @@ double haft_strain(const haft_model *model, const double *u, double *gradient, d
 void haft_stretch_displacements(const haft_model *model, const haft_stretch *s, const double *v,
                                 double *w);
 
-/* Their gaps under u; in lanes beyond, gaps at which all laws are nil. */
+/* Their gaps under u; in lanes beyond, gaps at which all laws are zeros. */
 void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const double *u, double *d);
 
 /* Forces [1/m] along, and stiffnesses [1/m^2] against, the displacements of a stretch's sites, in
- * units of energy, into the sums; either sum may be NULL. The first `nil` sites' are nil. */
-void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t nil,
+ * units of energy, into the sums; either sum may be NULL. The first `zeros` sites' are zeros. */
+void haft_stretch_assemble(const haft_model *model, const haft_stretch *s, size_t zeros,
                            const double *force, const double *stiffness, double *gradient,
                            double *hessian);
 

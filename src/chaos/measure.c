@@ -105,21 +105,21 @@ haft_status haft_chaos_map(const haft_chaos *chaos, size_t n, double *xi, double
     size_t g = chaos->parts.components;
     const size_t *order = chaos->parts.component_order;
     recurrence r = make_recurrence(g);
-    chaos_crew crew;
-    haft_status status = haft_chaos_crew_init(&crew, chaos, error);
+    chaos_workspaces team;
+    haft_status status = haft_chaos_workspaces_init(&team, chaos, error);
     if (status == HAFT_OK) {
-#pragma omp parallel for schedule(dynamic, 16) num_threads(crew.threads)
+#pragma omp parallel for schedule(dynamic, 16) num_threads(team.threads)
         for (size_t k = 0; k < n; k++) {
             double x[N];
             for (size_t i = 0; i < g; i++) {
                 double u = xi[k * g + i] = point_of(&r, k, i);
                 chaos_line line = haft_chaos_mixture_condition(
-                    &chaos->mixture, crew.work[omp_get_thread_num()], i, x);
+                    &chaos->mixture, team.work[omp_get_thread_num()], i, x);
                 x[i] = eta[k * g + order[i]] = haft_chaos_line_quantile(&line, u, 1 - u);
             }
         }
     }
-    haft_chaos_crew_clear(&crew);
+    haft_chaos_workspaces_clear(&team);
     return status;
 }
 

@@ -40,14 +40,14 @@ void haft_chaos_principal(size_t m, const double *q, haft_chaos_parts *parts);
 size_t haft_chaos_rank(const haft_chaos_parts *parts);
 
 /* One work for each thread there may be. */
-typedef struct chaos_crew {
+typedef struct chaos_workspaces {
     int threads;
     haft_chaos_work **work;
-} chaos_crew;
+} chaos_workspaces;
 
-haft_status haft_chaos_crew_init(chaos_crew *crew, const haft_chaos *chaos,
-                                 haft_error *error) HAFT_MUST_CHECK;
-void haft_chaos_crew_clear(chaos_crew *crew);
+haft_status haft_chaos_workspaces_init(chaos_workspaces *work, const haft_chaos *chaos,
+                                       haft_error *error) HAFT_MUST_CHECK;
+void haft_chaos_workspaces_clear(chaos_workspaces *work);
 
 /* The inverse map at the tensor Gauss points: value[i] is coordinate i at points^(i + 1) points,
  * the last direction running fastest. */

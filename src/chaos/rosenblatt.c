@@ -57,11 +57,11 @@ static void map_below(const grid *g, haft_chaos_work *work, size_t i, size_t par
     }
 }
 
-static void map_level(const grid *g, const chaos_crew *crew, size_t i) {
+static void map_level(const grid *g, const chaos_workspaces *team, size_t i) {
     size_t parents = i == 0 ? 1 : haft_chaos_grid_size(g->points, i - 1);
-#pragma omp parallel for schedule(dynamic, 4) num_threads(crew->threads)
+#pragma omp parallel for schedule(dynamic, 4) num_threads(team->threads)
     for (size_t parent = 0; parent < parents; parent++) {
-        map_below(g, crew->work[omp_get_thread_num()], i, parent);
+        map_below(g, team->work[omp_get_thread_num()], i, parent);
     }
 }
 
@@ -73,29 +73,30 @@ haft_status haft_chaos_map_grid(const haft_chaos *chaos, size_t points,
     for (size_t k = 0; k < points; k++) {
         haft_chaos_germ_cdf(chaos->parts.germ, x[k], &g.p[k], &g.q[k]);
     }
-    chaos_crew crew;
-    haft_status status = haft_chaos_crew_init(&crew, chaos, error);
+    chaos_workspaces team;
+    haft_status status = haft_chaos_workspaces_init(&team, chaos, error);
     for (size_t i = 0; i < chaos->parts.components && status == HAFT_OK; i++) {
-        map_level(&g, &crew, i);
+        map_level(&g, &team, i);
     }
-    haft_chaos_crew_clear(&crew);
+    haft_chaos_workspaces_clear(&team);
     return status;
 }
 
-haft_status haft_chaos_crew_init(chaos_crew *crew, const haft_chaos *chaos, haft_error *error) {
-    *crew = (chaos_crew){.threads = omp_get_max_threads()};
-    crew->work = haft_memory_alloc((size_t)crew->threads, sizeof(haft_chaos_work *), error);
-    haft_status status = crew->work == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
-    for (int i = 0; i < crew->threads && status == HAFT_OK; i++) {
-        status = haft_chaos_work_create(&crew->work[i], chaos, error);
+haft_status haft_chaos_workspaces_init(chaos_workspaces *team, const haft_chaos *chaos,
+                                       haft_error *error) {
+    *team = (chaos_workspaces){.threads = omp_get_max_threads()};
+    team->work = haft_memory_alloc((size_t)team->threads, sizeof(haft_chaos_work *), error);
+    haft_status status = team->work == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
+    for (int i = 0; i < team->threads && status == HAFT_OK; i++) {
+        status = haft_chaos_work_create(&team->work[i], chaos, error);
     }
     return status;
 }
 
-void haft_chaos_crew_clear(chaos_crew *crew) {
-    for (int i = 0; crew->work != NULL && i < crew->threads; i++) {
-        haft_chaos_work_destroy(&crew->work[i]);
+void haft_chaos_workspaces_clear(chaos_workspaces *team) {
+    for (int i = 0; team->work != NULL && i < team->threads; i++) {
+        haft_chaos_work_destroy(&team->work[i]);
     }
-    haft_memory_free(crew->work);
-    *crew = (chaos_crew){0};
+    haft_memory_free(team->work);
+    *team = (chaos_workspaces){0};
 }

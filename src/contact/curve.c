@@ -93,7 +93,7 @@ static haft_status make_room(haft_contact_work *work, size_t curves, size_t leve
     wet->of = haft_memory_alloc(held, sizeof *wet->of, error);
     wet->start = haft_memory_alloc(HAFT_WET_BINS, sizeof *wet->start, error);
     wet->counts = work->counts =
-        haft_memory_alloc(held, HAFT_CONTACT_LANES * sizeof *work->counts, error);
+        haft_memory_alloc(held, HAFT_CONTACT_PARTIALS * sizeof *work->counts, error);
     work->shift = haft_memory_alloc(curves, sizeof *work->shift, error);
     work->next = haft_memory_alloc(curves, sizeof *work->next, error);
     if (!work->level_data || !wet->at || !wet->of || !wet->start || !wet->counts || !work->shift ||
@@ -159,13 +159,13 @@ static haft_levels make_levels(double *data, const haft_curve *curve, double shi
     return (haft_levels){n, data[0], (double)(n - 1) / (data[n - 1] - data[0]), data};
 }
 
-enum { CHUNK = HAFT_CONTACT_CHUNK, BUNCH = 16, LANES = HAFT_CONTACT_LANES };
+enum { CHUNK = HAFT_CONTACT_CHUNK, BUNCH = 16, PARTIALS = HAFT_CONTACT_PARTIALS };
 
 /* Whether any of BUNCH points is above d. */
 static inline bool any_above(double d, const double *z) {
-    double top[LANES] = {d, d, d, d};
-    for (size_t j = 0; j < BUNCH; j += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
+    double top[PARTIALS] = {d, d, d, d};
+    for (size_t j = 0; j < BUNCH; j += PARTIALS) {
+        for (size_t k = 0; k < PARTIALS; k++) {
             top[k] = z[j + k] > top[k] ? z[j + k] : top[k];
         }
     }
@@ -189,10 +189,10 @@ static size_t list_above(double d, const double *z, uint32_t first, size_t n, ui
 
 /* 0 z is NAN exactly if z is not finite, and a NAN stays in the sum. */
 static bool all_finite(const double *z, size_t n) {
-    double sum[LANES] = {0};
+    double sum[PARTIALS] = {0};
     size_t j = 0;
-    for (; j + LANES <= n; j += LANES) {
-        for (size_t k = 0; k < LANES; k++) {
+    for (; j + PARTIALS <= n; j += PARTIALS) {
+        for (size_t k = 0; k < PARTIALS; k++) {
             sum[k] += 0 * z[j + k];
         }
     }

@@ -36,7 +36,7 @@ typedef struct haft_tally {
     double *number; /* asperities in contact */
 } haft_tally;
 
-enum { HAFT_CONTACT_LANES = 4 }; /* independent partial sums and counts; at least 2 */
+enum { HAFT_CONTACT_PARTIALS = 4 }; /* independent partial sums and counts; at least 2 */
 
 /* Points processed together, so that they stay in the first-level cache during all operations. */
 enum { HAFT_CONTACT_CHUNK = 256 };
@@ -51,7 +51,7 @@ typedef struct haft_wet {
     double *at;       /* thresholds + 1: in increasing order, then +infinity */
     size_t *of;       /* thresholds: the curve and distance of each, curve * n + distance */
     uint32_t *start;  /* HAFT_WET_BINS: number of thresholds in the bins before */
-    uint32_t *counts; /* HAFT_CONTACT_LANES (thresholds + 1) */
+    uint32_t *counts; /* HAFT_CONTACT_PARTIALS (thresholds + 1) */
 } haft_wet;
 
 /* With N points there are at most T = ceil(rows/2) ceil(columns/2) summits or islands, since no two
@@ -61,11 +61,11 @@ struct haft_contact_work {
     size_t rows, columns;
     size_t levels, curves; /* capacity of the following arrays, which grow as needed */
     double *level_data; /* (4 + curves) (levels + 1): distances, tally, wet shares of the curves */
-    uint32_t *counts;   /* curves * HAFT_CONTACT_LANES * (levels + 1): wet counts, then scratch */
-    haft_wet wet;       /* its counts are the array above */
-    double *shift;      /* curves: distances minus wet thresholds */
-    size_t *next;       /* curves: scratch */
-    uint32_t *found;    /* points above the lowest distance, in scan order */
+    uint32_t *counts; /* curves * HAFT_CONTACT_PARTIALS * (levels + 1): wet counts, then scratch */
+    haft_wet wet;     /* its counts are the array above */
+    double *shift;    /* curves: distances minus wet thresholds */
+    size_t *next;     /* curves: scratch */
+    uint32_t *found;  /* points above the lowest distance, in scan order */
     void *spare;
     double *top_a, *top_b;
     uint32_t *top_count, *top_parent, *top_live;

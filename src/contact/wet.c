@@ -9,7 +9,7 @@
 
 #include "contact/patch.h"
 
-enum { LANES = HAFT_CONTACT_LANES, BINS = HAFT_WET_BINS };
+enum { PARTIALS = HAFT_CONTACT_PARTIALS, BINS = HAFT_WET_BINS };
 
 /* The bins of heights, vectorised. */
 HAFT_CLONES static void find_bins(double first, double per_bin, const double *restrict z, size_t n,
@@ -61,10 +61,10 @@ void haft_wet_set_up(haft_wet *wet, size_t curves, const double *shift, const do
         before += here;
         wet->most = here > wet->most ? here : wet->most;
     }
-    memset(wet->counts, 0, LANES * (count + 1) * sizeof *wet->counts);
+    memset(wet->counts, 0, PARTIALS * (count + 1) * sizeof *wet->counts);
 }
 
-/* Alternates between LANES counts: neighbouring points fall between the same thresholds, and
+/* Alternates between PARTIALS counts: neighbouring points fall between the same thresholds, and
  * increments of one counter would wait for each other. */
 void haft_wet_count(const haft_wet *wet, const double *z, size_t n) {
     int32_t bin[HAFT_CONTACT_CHUNK];
@@ -74,15 +74,15 @@ void haft_wet_count(const haft_wet *wet, const double *z, size_t n) {
         for (size_t m = 0; m < wet->most; m++) {
             below += wet->at[below] < z[j];
         }
-        wet->counts[LANES * below + j % LANES]++;
+        wet->counts[PARTIALS * below + j % PARTIALS]++;
     }
 }
 
 void haft_wet_shares(const haft_wet *wet, double points, double *share) {
     uint64_t above = 0;
     for (size_t m = wet->thresholds; m-- > 0;) {
-        for (size_t lane = 0; lane < LANES; lane++) {
-            above += wet->counts[LANES * (m + 1) + lane];
+        for (size_t p = 0; p < PARTIALS; p++) {
+            above += wet->counts[PARTIALS * (m + 1) + p];
         }
         share[wet->of[m]] = (double)above / points;
     }

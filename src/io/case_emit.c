@@ -38,8 +38,8 @@ static bool is_present(const haft_case *c, const haft_key *key) {
     }
     double value = 0;
     memcpy(&value, field_of(c, key), sizeof value);
-    bool nil = key->low < 0 || (key->low == 0 && key->low_in); /* then a 0 has been given */
-    return isfinite(value) && (value != 0 || nil);
+    bool zero = key->low < 0 || (key->low == 0 && key->low_in); /* then a 0 has been given */
+    return isfinite(value) && (value != 0 || zero);
 }
 
 /* In double quotes, with escapes for what YAML would take otherwise or not at all. */

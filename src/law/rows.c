@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = HAFT_SIMD_WIDTH, COLUMNS = 11, WALL = 6, ZERO = 10 };
+enum { COLUMNS = 11, WALL = 6, ZERO = 10 };
 
 struct haft_law_rows {
     size_t laws, stride;
@@ -25,7 +25,7 @@ static double zero_beyond(haft_wings w) {
     if (w.a_right == 0) {
         return -INFINITY; /* no Morse law: an empty lane, or a table's */
     }
-    double beyond = w.d_max + (1 + 1e-9) * HAFT_LAW_NIL / w.a_right + 0x1p-50 * fabs(w.d_max);
+    double beyond = w.d_max + (1 + 1e-9) * HAFT_LAW_DECAYS / w.a_right + 0x1p-50 * fabs(w.d_max);
     return beyond < w.wall_distance ? w.wall_distance : beyond;
 }
 
@@ -76,10 +76,10 @@ void haft_law_rows_destroy(haft_law_rows **rows) {
     *rows = NULL;
 }
 
-/* Whether all of LANES laws are zero: a free span. Beams lie down from their ends, so the last lane
- * decides soonest. */
+/* Whether all of HAFT_SIMD_WIDTH laws are zero: a free span. Beams lie down from their ends, so the
+ * last lane decides soonest. */
 HAFT_INLINE bool all_zero(const double *v, size_t stride, const double *d) {
-    size_t i = LANES;
+    size_t i = HAFT_SIMD_WIDTH;
     while (i > 0 && d[i - 1] > v[ZERO * stride + i - 1]) {
         i--;
     }
@@ -89,15 +89,15 @@ HAFT_INLINE bool all_zero(const double *v, size_t stride, const double *d) {
 /* Which values are asked for. */
 typedef enum asked { FORCE, NO_CURVATURE, ALL } asked;
 
-/* Evaluates LANES laws, whose numbers begin at v. */
+/* Evaluates HAFT_SIMD_WIDTH laws, whose numbers begin at v. */
 HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bounds bounds,
                                 bool walls, asked what, const double *d, double *restrict force,
                                 double *restrict slope, double *restrict curvature,
                                 double *restrict potential) {
-    double gap[LANES];
+    double gap[HAFT_SIMD_WIDTH];
     memcpy(gap, d, sizeof gap);
 #pragma omp simd
-    for (size_t i = 0; i < LANES; i++) {
+    for (size_t i = 0; i < HAFT_SIMD_WIDTH; i++) {
         haft_wings w = {v[i],
                         v[stride + i],
                         v[2 * stride + i],
@@ -120,19 +120,19 @@ HAFT_INLINE void evaluate_lanes(const double *v, size_t stride, haft_wings_bound
     }
 }
 
-/* Whether any of LANES gaps lies behind its law's wall, which nearly none does: most are spared the
- * walls. */
+/* Whether any of HAFT_SIMD_WIDTH gaps lies behind its law's wall, which nearly none does: most are
+ * spared the walls. */
 HAFT_INLINE bool any_behind_wall(const double *v, size_t stride, const double *d) {
     const double *wall = v + WALL * stride;
     int any = 0;
 #pragma omp simd reduction(| : any)
-    for (size_t i = 0; i < LANES; i++) {
+    for (size_t i = 0; i < HAFT_SIMD_WIDTH; i++) {
         any |= d[i] < wall[i];
     }
     return any != 0;
 }
 
-/* The values of LANES laws from law i on, to where those go. */
+/* The values of HAFT_SIMD_WIDTH laws from law i on, to where those go. */
 HAFT_INLINE void evaluate_from(const haft_law_rows *rows, const double *v, bool walls, asked what,
                                const double *d, const haft_law_values *out, size_t i) {
     evaluate_lanes(v, rows->stride, rows->bounds, walls, what, d + i, out->force + i,
@@ -141,24 +141,24 @@ HAFT_INLINE void evaluate_from(const haft_law_rows *rows, const double *v, bool 
 }
 
 HAFT_INLINE void set_zero(asked what, const haft_law_values *out, size_t i) {
-    memset(out->force + i, 0, LANES * sizeof(double));
+    memset(out->force + i, 0, HAFT_SIMD_WIDTH * sizeof(double));
     if (what != FORCE) {
-        memset(out->slope + i, 0, LANES * sizeof(double));
-        memset(out->potential + i, 0, LANES * sizeof(double));
+        memset(out->slope + i, 0, HAFT_SIMD_WIDTH * sizeof(double));
+        memset(out->potential + i, 0, HAFT_SIMD_WIDTH * sizeof(double));
     }
     if (what == ALL) {
-        memset(out->curvature + i, 0, LANES * sizeof(double));
+        memset(out->curvature + i, 0, HAFT_SIMD_WIDTH * sizeof(double));
     }
 }
 
 HAFT_INLINE size_t evaluate_asked(const haft_law_rows *rows, size_t first, size_t n,
                                   const double *d, asked what, const haft_law_values *out) {
     size_t zeros = 0;
-    for (size_t i = 0; i < n; i += LANES) {
+    for (size_t i = 0; i < n; i += HAFT_SIMD_WIDTH) {
         const double *v = rows->value + first + i;
         if (all_zero(v, rows->stride, d + i)) {
             set_zero(what, out, i);
-            zeros += zeros == i ? LANES : 0;
+            zeros += zeros == i ? HAFT_SIMD_WIDTH : 0;
             continue;
         }
         if (any_behind_wall(v, rows->stride, d + i)) {
@@ -190,18 +190,18 @@ static size_t count_zeros(size_t n, const haft_law_values *out) {
            (out->curvature == NULL || out->curvature[i] == 0)) {
         i++;
     }
-    return i < n ? i / LANES * LANES : n;
+    return i < n ? i / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH : n;
 }
 
 /* Morse laws of the last, incomplete group, through arrays that are complete. @return as
  * evaluate_wings() */
 static size_t evaluate_rest(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                             asked what, const haft_law_values *out, size_t i) {
-    double gap[LANES], value[4][LANES];
+    double gap[HAFT_SIMD_WIDTH], value[4][HAFT_SIMD_WIDTH];
     haft_law_values own = {value[0], what != FORCE ? value[1] : NULL, what == ALL ? value[2] : NULL,
                            what != FORCE ? value[3] : NULL};
     size_t count = n - i, size = count * sizeof *d;
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < HAFT_SIMD_WIDTH; k++) {
         gap[k] = d[i + (k < count ? k : 0)];
     }
     size_t zeros = evaluate_wings(rows, first + i, count, gap, what, &own);
@@ -219,7 +219,7 @@ static size_t evaluate_rest(const haft_law_rows *rows, size_t first, size_t n, c
 size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                               const haft_law_values *out) {
     asked what = out->slope == NULL ? FORCE : out->curvature == NULL ? NO_CURVATURE : ALL;
-    size_t zeros = 0, whole = n / LANES * LANES;
+    size_t zeros = 0, whole = n / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
     if (rows->tables < rows->laws) {
         zeros = evaluate_wings(rows, first, whole, d, what, out);
         if (whole < n) {

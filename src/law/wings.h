@@ -8,7 +8,7 @@
 #include "law/exponential.h"
 
 /* Decay lengths beyond which a law is nothing: e^-100 is lost beside any other force. */
-#define HAFT_LAW_NIL 100.0
+#define HAFT_LAW_DECAYS 100.0
 
 /* A Morse law's numbers as its evaluation takes them. */
 typedef struct haft_wings {
@@ -17,14 +17,14 @@ typedef struct haft_wings {
     double wall_distance, wall_force, wall_slope, wall_potential;
 } haft_wings;
 
-/* Between which the exponent is kept: what lies beyond is nil, or behind a wall. Given from
+/* Between which the exponent is kept: what lies beyond is zero, or behind a wall. Given from
  * outside, it costs two operations; of numbers that it knows a compiler makes ten. */
 typedef struct haft_wings_bounds {
     double least, most;
 } haft_wings_bounds;
 
 static inline haft_wings_bounds haft_law_wings_bounds(void) {
-    return (haft_wings_bounds){-HAFT_LAW_NIL, 700};
+    return (haft_wings_bounds){-HAFT_LAW_DECAYS, 700};
 }
 
 static inline haft_wings haft_law_wings(const haft_law *law) {
@@ -59,17 +59,17 @@ HAFT_INLINE haft_law_value haft_law_wings_evaluate(haft_wings w, double d, haft_
     bool behind = walls && t < 0;
     double wall_force = w.wall_force + w.wall_slope * t;
     double wall_potential = w.wall_potential - t * (w.wall_force + 0.5 * w.wall_slope * t);
-    bool nil = w.a_right * y > HAFT_LAW_NIL;
+    bool zero = w.a_right * y > HAFT_LAW_DECAYS;
     return (haft_law_value){
         .force = behind ? wall_force
-                 : nil  ? 0
+                 : zero ? 0
                         : force,
         .slope = behind ? w.wall_slope
-                 : nil  ? 0
+                 : zero ? 0
                         : slope,
-        .curvature = behind || nil ? 0 : curvature,
+        .curvature = behind || zero ? 0 : curvature,
         .potential = behind ? wall_potential
-                     : nil  ? 0
+                     : zero ? 0
                             : potential,
     };
 }

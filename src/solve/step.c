@@ -138,7 +138,7 @@ static void accept(haft_walker *w, const haft_step *step) {
     haft_walker_narrow(w, w->t->next.u); /* `here` before the step */
 }
 
-/* Shortens a step by the excess of its defect. */
+/* Shortens a step in proportion to its defect. */
 static void shrink(haft_walker *w, haft_step *step) {
     w->t->cost.rejected++;
     double factor = 0.5;
@@ -160,11 +160,11 @@ static bool is_back_on_branch(const haft_walker *w, const haft_step *step, doubl
 }
 
 /* Crack length above the one asked for at the end of a step of this size; NaN if the step fails. */
-static double excess_at(haft_walker *w, haft_step *step, double dtau) {
+static double residual_at(haft_walker *w, haft_step *step, double dtau) {
     step->dtau = dtau;
     haft_step_result result = haft_branch_try(w->t, step, w->direction);
     bool sound = result == HAFT_STEP_TAKEN || result == HAFT_STEP_DIPS;
-    return sound ? haft_walker_excess(w, &w->t->next) : NAN;
+    return sound ? haft_walker_crack_residual(w, &w->t->next) : NAN;
 }
 
 /* Shortens a step that passes the crack length asked for, so that it ends where that is just
@@ -172,24 +172,24 @@ static double excess_at(haft_walker *w, haft_step *step, double dtau) {
  * false if no such step could be taken. */
 static bool stop_at_target(haft_walker *w, haft_step *step) {
     double wanted = w->t->problem.programme.crack_length, full = fabs(step->dtau);
-    double low = 0, above = haft_walker_excess(w, &w->t->here);
-    double high = step->dtau, below = haft_walker_excess(w, &w->t->next);
+    double low = 0, above = haft_walker_crack_residual(w, &w->t->here);
+    double high = step->dtau, below = haft_walker_crack_residual(w, &w->t->next);
     for (int i = 0; fabs(high - low) > 1e-13 * full && below < -1e-13 * wanted; i++) {
         double share = i % 3 < 2 ? above / (above - below) : 0.5;
         double dtau = low + (share > 0.01 && share < 0.99 ? share : 0.5) * (high - low);
         if (dtau == low || dtau == high) {
             break;
         }
-        double excess = excess_at(w, step, dtau);
-        if (excess <= 0) {
+        double residual = residual_at(w, step, dtau);
+        if (residual <= 0) {
             high = dtau;
-            below = excess;
+            below = residual;
         } else {
             low = dtau;
-            above = excess;
+            above = residual;
         }
     }
-    return excess_at(w, step, high) <= 0;
+    return residual_at(w, step, high) <= 0;
 }
 
 /* Takes the load as the parameter, to end a step exactly at a load. */

@@ -36,13 +36,13 @@ void haft_walker_record(haft_walker *w, int jump) {
     w->t->not_finite = 0;
 }
 
-double haft_walker_excess(const haft_walker *w, haft_state *state) {
+double haft_walker_crack_residual(const haft_walker *w, haft_state *state) {
     return haft_tracker_crack(w->t, state) -
            w->t->problem.programme.crack_length * (1 + CRACK_TOLERANCE);
 }
 
 bool haft_walker_reached(const haft_walker *w, haft_state *state) {
-    return w->direction > 0 && haft_walker_excess(w, state) <= 0;
+    return w->direction > 0 && haft_walker_crack_residual(w, state) <= 0;
 }
 
 /* Certifies `here` on the mesh just entered. */

@@ -31,7 +31,7 @@ void haft_walker_narrow(haft_walker *w, const double *before);
 void haft_walker_unfreeze(haft_walker *w);
 
 /* The crack length of a state above the one asked for, and whether that ends the loading. */
-double haft_walker_excess(const haft_walker *w, haft_state *state);
+double haft_walker_crack_residual(const haft_walker *w, haft_state *state);
 bool haft_walker_reached(const haft_walker *w, haft_state *state);
 
 /* ---- step.c ---- */

@@ -57,7 +57,7 @@ static haft_status do_one(haft_pool *pool, size_t hand, size_t k, haft_summary *
 static void work(haft_pool *pool, size_t hand) {
     size_t k = 0;
     while (pool->scheduler != NULL ? haft_scheduler_next(pool->scheduler, &k)
-                                   : haft_relay_next(&pool->relay, hand, &k)) {
+                                   : haft_remote_next(&pool->remote, hand, &k)) {
         haft_summary summary;
         haft_error error = {0};
         haft_status status = do_one(pool, hand, k, &summary, &error);
@@ -66,9 +66,9 @@ static void work(haft_pool *pool, size_t hand) {
         } else if (pool->scheduler != NULL) {
             haft_scheduler_fail(pool->scheduler, k, status, error.message);
         } else if (status == HAFT_OK) {
-            haft_relay_enter(&pool->relay, hand, k, &summary);
+            haft_remote_enter(&pool->remote, hand, k, &summary);
         } else {
-            haft_relay_fail(&pool->relay, hand, k, status, error.message);
+            haft_remote_fail(&pool->remote, hand, k, status, error.message);
         }
     }
     if (pool->hand != NULL) {
@@ -114,9 +114,9 @@ static void work_together(haft_pool *pool) {
 #pragma omp atomic
             left++;
         } else if (pool->scheduler != NULL) {
-            haft_relay_serve(pool->scheduler);
+            haft_remote_serve(pool->scheduler);
         } else {
-            haft_relay_speak(&pool->relay, &left, hands);
+            haft_remote_speak(&pool->remote, &left, hands);
         }
     }
 }
@@ -124,7 +124,7 @@ static void work_together(haft_pool *pool) {
 haft_status haft_pool_work(haft_pool *pool, haft_error *error) {
     haft_status status = HAFT_OK;
     if (pool->scheduler == NULL) {
-        status = haft_relay_open(&pool->relay, (size_t)omp_get_max_threads(), error);
+        status = haft_remote_open(&pool->remote, (size_t)omp_get_max_threads(), error);
         if (status != HAFT_OK) {
             return status;
         }
@@ -138,7 +138,7 @@ haft_status haft_pool_work(haft_pool *pool, haft_error *error) {
     }
     omp_destroy_lock(&pool->lock);
     if (pool->scheduler == NULL) {
-        haft_relay_close(&pool->relay);
+        haft_remote_close(&pool->remote);
     }
     return haft_part_close(&pool->part, error);
 }

@@ -3,7 +3,7 @@
 #ifndef HAFT_STUDY_POOL_H
 #define HAFT_STUDY_POOL_H
 
-#include "relay.h"
+#include "remote.h"
 #include "study/laws/builder.h"
 
 /* What all hands of a process share. */
@@ -17,8 +17,8 @@ typedef struct haft_pool {
     const char *folder; /* of the parts */
     haft_shard shard;
     const char *laws_digest;
-    haft_scheduler *scheduler; /* on rank 0; NULL on the others, which reach it through a relay */
-    haft_relay relay;          /* on the others */
+    haft_scheduler *scheduler; /* on rank 0; NULL on the others, which reach it through a remote */
+    haft_remote remote;        /* on the others */
     haft_part *part;           /* begun with the first realization done */
     omp_lock_t lock;           /* of the part */
 } haft_pool;

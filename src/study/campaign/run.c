@@ -350,20 +350,20 @@ static haft_status work(run *r) {
                       .scheduler = &r->scheduler,
                       .rank = haft_study_rank()};
     haft_error own = {0};
-    char way[HAFT_WAY_CAPACITY];
+    char command[HAFT_COMMAND_CAPACITY];
     size_t lacking = 0;
     haft_status status = haft_pool_equip(&pool, r->scheduler.done, &lacking, r->error);
     if (status == HAFT_OK) {
         tell_lacking(r, lacking);
         haft_scheduler_begin(&r->scheduler);
-        haft_relay_start(true);
+        haft_remote_start(true);
         r->started = true;
         status = haft_pool_work(&pool, &own);
         if (status != HAFT_OK) {
             haft_scheduler_abort(&r->scheduler, status, own.message);
         }
-        haft_shards_way(way, r->shard, r->files);
-        status = haft_scheduler_outcome(&r->scheduler, way);
+        haft_shards_command(command, r->shard, r->files);
+        status = haft_scheduler_outcome(&r->scheduler, command);
     }
     haft_pool_disband(&pool);
     return status;
@@ -387,11 +387,11 @@ static haft_status go(run *r) {
     }
     if (status != HAFT_OK && status != HAFT_ERROR_INTERRUPTED && r->scheduler.count > 0) {
         haft_error said = *r->error;
-        char way[HAFT_WAY_CAPACITY];
-        haft_shards_way(way, r->shard, r->files);
+        char command[HAFT_COMMAND_CAPACITY];
+        haft_shards_command(command, r->shard, r->files);
         status = haft_error_set(
             r->error, status, "%s; the %zu realizations done are kept, and `%s` goes on from there",
-            said.message, r->scheduler.count, way);
+            said.message, r->scheduler.count, command);
     }
     return status;
 }
@@ -411,7 +411,7 @@ static haft_status begin(run *r) {
 
 /* What another rank than 0 does: its share of the realizations, and nothing else. */
 static haft_status lend_a_hand(run *r) {
-    if (!haft_relay_await_start()) {
+    if (!haft_remote_await_start()) {
         return HAFT_OK; /* rank 0 says why */
     }
     haft_status status = read_laws(r);
@@ -428,7 +428,7 @@ static haft_status lend_a_hand(run *r) {
         HAFT_THEN(status, haft_pool_work(&pool, r->error));
         haft_pool_disband(&pool);
     }
-    haft_relay_leave(status, r->error->message);
+    haft_remote_leave(status, r->error->message);
     return HAFT_OK;
 }
 
@@ -446,7 +446,7 @@ static haft_status lead(run *r, haft_summary *summary) {
         status = joins && haft_parts_files(r->parts) == 0 ? take_complete(r) : go(r);
     }
     if (!r->started) {
-        haft_relay_start(false);
+        haft_remote_start(false);
     }
     return status;
 }

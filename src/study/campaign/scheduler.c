@@ -147,7 +147,7 @@ void haft_scheduler_abort(haft_scheduler *scheduler, haft_status status, const c
     omp_unset_lock(&scheduler->lock);
 }
 
-haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *way) {
+haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *command) {
     if (scheduler->status != HAFT_OK && scheduler->failed >= scheduler->end &&
         !scheduler->aborted) {
         scheduler->status = HAFT_OK; /* beyond what the stop rule needs */
@@ -160,7 +160,7 @@ haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *way) {
                 : haft_error_set(scheduler->error, HAFT_ERROR_INTERRUPTED,
                                  "stopped after %zu of %zu realizations; these are kept, and "
                                  "`%s` goes on from there",
-                                 scheduler->count, scheduler->total, way);
+                                 scheduler->count, scheduler->total, command);
     }
     return scheduler->status;
 }

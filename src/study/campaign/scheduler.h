@@ -54,7 +54,7 @@ void haft_scheduler_fail(haft_scheduler *scheduler, size_t realization, haft_sta
 void haft_scheduler_abort(haft_scheduler *scheduler, haft_status status, const char *message);
 
 /* What came of it, once all hands are still: HAFT_OK if all are done.
- * @param[in] way the command that goes on with what is left */
-haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *way);
+ * @param[in] command the command that goes on with what is left */
+haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *command);
 
 #endif

@@ -10,11 +10,12 @@ bool haft_shard_has(haft_shard shard, size_t realization) {
     return shard.count == 0 || realization % shard.count == shard.index - 1;
 }
 
-void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_run_files *files) {
+void haft_shards_command(char command[HAFT_COMMAND_CAPACITY], haft_shard shard,
+                         const haft_run_files *files) {
     if (shard.count == 0) {
-        snprintf(way, HAFT_WAY_CAPACITY, "haft resume");
+        snprintf(command, HAFT_COMMAND_CAPACITY, "haft resume");
     } else {
-        snprintf(way, HAFT_WAY_CAPACITY, "haft run %.300s --shard=%zu/%zu", files->folder,
+        snprintf(command, HAFT_COMMAND_CAPACITY, "haft run %.300s --shard=%zu/%zu", files->folder,
                  shard.index, shard.count);
     }
 }

@@ -5,10 +5,11 @@
 
 #include "scheduler.h"
 
-enum { HAFT_WAY_CAPACITY = 400 };
+enum { HAFT_COMMAND_CAPACITY = 400 };
 
 /* The command that goes on with a run that was stopped. */
-void haft_shards_way(char way[HAFT_WAY_CAPACITY], haft_shard shard, const haft_run_files *files);
+void haft_shards_command(char command[HAFT_COMMAND_CAPACITY], haft_shard shard,
+                         const haft_run_files *files);
 
 /* Refuses to go on where the parts lack realizations: says whose they are, and what does them. */
 haft_status haft_shards_check(const haft_scheduler *scheduler, const haft_parts *parts,

@@ -3,7 +3,7 @@
  * speaks for its process carries both to rank 0 and brings the answer. One thread a process speaks,
  * and sleeps when there is nothing to say: an answer takes a few milliseconds, a realization tens
  * to thousands. */
-#include "relay.h"
+#include "remote.h"
 
 #include <string.h>
 
@@ -20,81 +20,81 @@ static const uint64_t NO_REALIZATION = UINT64_MAX;
 
 typedef enum slot_state { WORKING, POSTED, ASKED, GIVEN, ENDED } slot_state;
 
-struct haft_relay_slot {
+struct haft_remote_slot {
     slot_state state;
     bool has_letter;
     letter letter;
     uint64_t given;
 };
 
-haft_status haft_relay_open(haft_relay *relay, size_t threads, haft_error *error) {
-    *relay = (haft_relay){.slots = threads};
-    relay->slot = haft_memory_alloc(threads, sizeof *relay->slot, error);
-    if (relay->slot == NULL) {
+haft_status haft_remote_open(haft_remote *remote, size_t threads, haft_error *error) {
+    *remote = (haft_remote){.slots = threads};
+    remote->slot = haft_memory_alloc(threads, sizeof *remote->slot, error);
+    if (remote->slot == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    omp_init_lock(&relay->lock);
+    omp_init_lock(&remote->lock);
     return HAFT_OK;
 }
 
-void haft_relay_close(haft_relay *relay) {
-    if (relay->slot != NULL) {
-        omp_destroy_lock(&relay->lock);
+void haft_remote_close(haft_remote *remote) {
+    if (remote->slot != NULL) {
+        omp_destroy_lock(&remote->lock);
     }
-    haft_memory_free(relay->slot);
-    *relay = (haft_relay){0};
+    haft_memory_free(remote->slot);
+    *remote = (haft_remote){0};
 }
 
-bool haft_relay_next(haft_relay *relay, size_t slot, size_t *realization) {
-    haft_relay_slot *own = &relay->slot[slot];
-    omp_set_lock(&relay->lock);
+bool haft_remote_next(haft_remote *remote, size_t slot, size_t *realization) {
+    haft_remote_slot *own = &remote->slot[slot];
+    omp_set_lock(&remote->lock);
     own->state = POSTED;
     slot_state state = POSTED;
     while (state != GIVEN && state != ENDED) {
-        omp_unset_lock(&relay->lock);
+        omp_unset_lock(&remote->lock);
         haft_ranks_rest();
-        omp_set_lock(&relay->lock);
+        omp_set_lock(&remote->lock);
         state = own->state;
     }
     own->state = WORKING;
     *realization = (size_t)own->given;
-    omp_unset_lock(&relay->lock);
+    omp_unset_lock(&remote->lock);
     return state == GIVEN;
 }
 
-static void post(haft_relay *relay, size_t slot, const letter *said) {
-    omp_set_lock(&relay->lock);
-    relay->slot[slot].letter = *said;
-    relay->slot[slot].has_letter = true;
-    omp_unset_lock(&relay->lock);
+static void post(haft_remote *remote, size_t slot, const letter *said) {
+    omp_set_lock(&remote->lock);
+    remote->slot[slot].letter = *said;
+    remote->slot[slot].has_letter = true;
+    omp_unset_lock(&remote->lock);
 }
 
-void haft_relay_enter(haft_relay *relay, size_t slot, size_t realization,
-                      const haft_summary *summary) {
+void haft_remote_enter(haft_remote *remote, size_t slot, size_t realization,
+                       const haft_summary *summary) {
     letter said = {.realization = realization, .status = HAFT_OK, .summary = *summary};
-    post(relay, slot, &said);
+    post(remote, slot, &said);
 }
 
-void haft_relay_fail(haft_relay *relay, size_t slot, size_t realization, haft_status status,
-                     const char *message) {
+void haft_remote_fail(haft_remote *remote, size_t slot, size_t realization, haft_status status,
+                      const char *message) {
     letter said = {.realization = realization, .status = (int)status};
     strncpy(said.message, message, MESSAGE - 1);
-    post(relay, slot, &said);
+    post(remote, slot, &said);
 }
 
 /* ---- on the other ranks ---- */
 
-static void carry(haft_relay *relay) {
-    for (size_t i = 0; i < relay->slots; i++) {
-        haft_relay_slot *slot = &relay->slot[i];
-        omp_set_lock(&relay->lock);
+static void carry(haft_remote *remote) {
+    for (size_t i = 0; i < remote->slots; i++) {
+        haft_remote_slot *slot = &remote->slot[i];
+        omp_set_lock(&remote->lock);
         bool posted = slot->state == POSTED, has_letter = posted && slot->has_letter;
         letter said = slot->letter;
         if (posted) {
             slot->has_letter = false;
             slot->state = ASKED;
         }
-        omp_unset_lock(&relay->lock);
+        omp_unset_lock(&remote->lock);
         if (has_letter) {
             haft_ranks_send(0, said.status == HAFT_OK ? HAFT_RANKS_DONE : HAFT_RANKS_FAIL, &said,
                             sizeof said);
@@ -106,31 +106,31 @@ static void carry(haft_relay *relay) {
 }
 
 /* Hands an answer to the first who waits for one. */
-static void hand_on(haft_relay *relay, slot_state state, uint64_t given) {
-    omp_set_lock(&relay->lock);
-    for (size_t i = 0; i < relay->slots; i++) {
-        if (relay->slot[i].state == ASKED) {
-            relay->slot[i].state = state;
-            relay->slot[i].given = given;
+static void hand_on(haft_remote *remote, slot_state state, uint64_t given) {
+    omp_set_lock(&remote->lock);
+    for (size_t i = 0; i < remote->slots; i++) {
+        if (remote->slot[i].state == ASKED) {
+            remote->slot[i].state = state;
+            remote->slot[i].given = given;
             break;
         }
     }
-    omp_unset_lock(&relay->lock);
+    omp_unset_lock(&remote->lock);
 }
 
-void haft_relay_speak(haft_relay *relay, const size_t *left, size_t threads) {
+void haft_remote_speak(haft_remote *remote, const size_t *left, size_t threads) {
     for (size_t gone = 0; gone < threads;) {
-        carry(relay);
+        carry(remote);
         int from = 0;
         haft_ranks_tag tag = HAFT_RANKS_END;
         while (haft_ranks_probe(&from, &tag)) {
             uint64_t given = NO_REALIZATION;
             if (tag == HAFT_RANKS_GIVE) {
                 haft_ranks_receive(from, tag, &given, sizeof given);
-                hand_on(relay, GIVEN, given);
+                hand_on(remote, GIVEN, given);
             } else {
                 haft_ranks_receive(from, tag, NULL, 0);
-                hand_on(relay, ENDED, given);
+                hand_on(remote, ENDED, given);
             }
         }
         haft_ranks_rest();
@@ -139,7 +139,7 @@ void haft_relay_speak(haft_relay *relay, const size_t *left, size_t threads) {
     }
 }
 
-bool haft_relay_await_start(void) {
+bool haft_remote_await_start(void) {
     int from = 0, go = 0;
     haft_ranks_tag tag = HAFT_RANKS_START;
     while (!haft_ranks_probe(&from, &tag)) {
@@ -149,7 +149,7 @@ bool haft_relay_await_start(void) {
     return go != 0;
 }
 
-void haft_relay_leave(haft_status status, const char *message) {
+void haft_remote_leave(haft_status status, const char *message) {
     if (status != HAFT_OK) {
         letter said = {.realization = NO_REALIZATION, .status = (int)status};
         strncpy(said.message, message, MESSAGE - 1);
@@ -160,7 +160,7 @@ void haft_relay_leave(haft_status status, const char *message) {
 
 /* ---- on rank 0 ---- */
 
-void haft_relay_start(bool go) {
+void haft_remote_start(bool go) {
     int word = go;
     for (int rank = 1; rank < haft_study_ranks(); rank++) {
         haft_ranks_send(rank, HAFT_RANKS_START, &word, sizeof word);
@@ -193,7 +193,7 @@ static bool answer(haft_scheduler *scheduler, int from, haft_ranks_tag tag) {
     return tag == HAFT_RANKS_GONE;
 }
 
-void haft_relay_serve(haft_scheduler *scheduler) {
+void haft_remote_serve(haft_scheduler *scheduler) {
     for (int here = haft_study_ranks() - 1; here > 0;) {
         int from = 0;
         haft_ranks_tag tag = HAFT_RANKS_GONE;
