@@ -62,7 +62,7 @@ enum { HAFT_SPAN = 4 };
 /** Strain energy 1/2 q'Dq of an element in its two deformation modes q = B u: evaluated through
  *  differences first, so that rigid motion costs no digits. */
 typedef struct haft_element {
-    int dof[HAFT_SPAN];        /**< unknowns, -1 where held or absent */
+    int dof[HAFT_SPAN];        /**< unknowns, -1 where fixed or absent */
     double mode[2][HAFT_SPAN]; /**< B, in scaled unknowns */
     double stiffness[3];       /**< D11, D12, D22 in units of energy */
     double mass[10];           /**< upper triangle of the consistent mass, row by row, scaled */
@@ -115,33 +115,33 @@ static inline const haft_model_data *haft_model_get(const haft_model *model) {
  *  states that touch only further on. Owned by the model. @return NULL if there is none. */
 const haft_model *haft_model_shorter(const haft_model *model);
 
-/** Sites nearer the clamp than an active mesh's zone: they are left out of the contact, and need no
- *  laws of their own. 0 for the other meshes. Thread-safe. */
+/** Number of sites between the clamp and the zone of an active mesh. They are left out of the
+ *  contact and need no laws of their own. 0 for other meshes. Thread-safe. */
 size_t haft_mesh_inert_sites(const haft_beam_spec *beam, const haft_mesh_spec *mesh);
 
-/** Meshes a beam. @return HAFT_ERROR_INPUT where l_meso or element_length does not divide the
- *  length (the message names the nearest that does), makes more than HAFT_MOST_ELEMENTS elements,
- * or the load is off the beam. A load nearer to a node than 1 % of l_meso gets no node of its own.
- */
+/** Creates the model of a beam on a mesh. @return HAFT_ERROR_INPUT where l_meso or
+ *  element_length does not divide the length (the message names the nearest that does), makes
+ *  more than HAFT_MOST_ELEMENTS elements, or the load is off the beam. A load nearer to a node
+ *  than 1 % of l_meso gets no node of its own. */
 haft_status haft_model_create_beam(haft_model **out, const haft_beam_spec *beam,
                                    const haft_mesh_spec *mesh, haft_error *error) HAFT_MUST_CHECK;
 
-/** A structure put together by hand, for other mechanics and for tests: elements, sites and load in
- *  scaled unknowns as described above; every array is copied. */
+/** A structure given by its parts, for other mechanics and for tests: elements, sites and load
+ *  in scaled unknowns as above. Every array is copied. */
 typedef struct haft_model_parts {
     size_t dofs;                 /**< unknowns */
     const double *scale;         /**< dofs; NULL: all 1 */
     double energy_unit;          /**< [J] */
-    double gap;                  /**< of every site where nothing is displaced [m] */
+    double gap;                  /**< of every site in the undeformed state [m] */
     size_t elements;             /**< how many */
     const haft_element *element; /**< elements */
     size_t sites;                /**< how many */
-    size_t inert;                /**< sites, from the first, that take no part in the contact */
+    size_t inert;                /**< number of leading sites that are left out of the contact */
     const haft_site *site;       /**< sites, in order of x */
     haft_site load;              /**< where the load acts; its area is unused */
 } haft_model_parts;
 
-/** Makes the structure: the pattern of its Hessian, K and M in it.
+/** Creates the model: the pattern of its Hessian, K and M.
  *  @return HAFT_ERROR_ARGUMENT for parts that do not fit together; HAFT_ERROR_MEMORY. */
 haft_status haft_model_create(haft_model **out, const haft_model_parts *parts,
                               haft_error *error) HAFT_MUST_CHECK;
@@ -182,15 +182,15 @@ void haft_model_restore_stiffness(const haft_model *model, size_t site,
 /** Frees a model and sets the pointer to NULL; NULL is allowed. */
 void haft_model_destroy(haft_model **model);
 
-/** The two parts of a state's energy [J]. */
+/** The energy of a state [J]. */
 typedef struct haft_energy {
     double strain;   /**< 1/2 u'Ku */
     double contact;  /**< sum A_r Phi_r(d_r) */
-    double rounding; /**< what rounding of u alone may make of their sum */
+    double rounding; /**< bound of what rounding of u changes in their sum */
 } haft_energy;
 
-/** Displacement of a site or of the load point of a model, which has set its `terms` [m]. Inline:
- *  the solver asks for little else as often. */
+/** Displacement [m] of a site or of the load point of a model, which has set its `terms`.
+ *  Inline, because the solver calls it often. */
 static inline double haft_model_displacement(const haft_site *site, const double *u) {
     double w = 0;
     for (int k = 0; k < site->terms; k++) {
@@ -202,44 +202,43 @@ static inline double haft_model_displacement(const haft_site *site, const double
 /** Gaps d[sites] of a state [m]. Thread-safe. */
 void haft_model_gaps(const haft_model *model, const double *u, double *d);
 
-/** Displacements of all sites but the inert ones, those of haft_model_displacement() to the bit.
+/** Displacements of all sites except the inert ones: the same bits as haft_model_displacement().
  *  @param[in] model the structure
  *  @param[in] v dofs scaled unknowns, or a direction in them
  *  @param[out] w sites [m]; inert sites' are left alone. Thread-safe. */
 void haft_model_displacements(const haft_model *model, const double *v, double *w);
 
-/** How many of a model's inert sites, from the first on, are farther from the substrate than they
- *  reach.
+/** The number of leading inert sites whose gap is larger than their reach.
  *  @param[in] model the structure
  *  @param[in] u dofs scaled unknowns
  *  @param[in] reach of each site [m]
- *  @return `inert` where all are. Thread-safe. */
+ *  @return `inert` if it is all of them. Thread-safe. */
 size_t haft_model_clear_sites(const haft_model *model, const double *u, const double *reach);
 
-/** y[dofs] += sum over all sites but the inert ones of force[r] times the shape functions of site
- *  r: forces along displacements, in units of energy a metre. Thread-safe. */
+/** y[dofs] += sum over all sites except the inert ones of force[r] times the shape functions of
+ *  site r. force[r] acts along the displacement, in units of energy per metre. Thread-safe. */
 void haft_model_add_forces(const haft_model *model, const double *force, double *y);
 
-/** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy and
- *  the Hessian in the model's pattern. Inert sites are passed over.
+/** Energy of a state and, where not NULL, the gradient of Pi at load P [N] in units of energy
+ *  and the Hessian in the model's pattern. Inert sites are left out.
  *  @param[in] model the structure
  *  @param[in] u [dofs] state, scaled unknowns
  *  @param[in] load P [N]
  *  @param[out] gradient [dofs]; may be NULL
  *  @param[out] hessian [nonzeros]; may be NULL
  *  @param[in] laws one a site
- *  @param[out] force_scale may be NULL: the largest single term summed into the gradient, what its
- *  rounding error is measured against
- *  @param[out] gap [sites] may be NULL: the gaps the laws were read at [m]; inert sites' are left
- *  alone
- *  @param[out] site_stiffness [sites] may be NULL: each site's part in the Hessian, -A_r f'_r(d_r)
- *  in units of energy a square metre, for haft_model_multiply(); inert sites' are left alone.
- *  Thread-safe. */
+ *  @param[out] force_scale may be NULL: the largest single term in the gradient, the scale of
+ *  its rounding error
+ *  @param[out] gap [sites] may be NULL: the gaps at which the laws were evaluated [m]; those of
+ *  inert sites are not set
+ *  @param[out] site_stiffness [sites] may be NULL: each site's part of the Hessian, -A_r
+ *  f'_r(d_r) in units of energy per square metre, for haft_model_multiply(); those of inert
+ *  sites are not set. Thread-safe. */
 haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *laws, const double *u,
                                 double load, double *gradient, double *hessian, double *force_scale,
                                 double *gap, double *site_stiffness);
 
-/** The gradient alone, the same bits in less time.
+/** The gradient alone: the same bits in less time.
  *  @param[in] model the structure
  *  @param[in] laws one a site
  *  @param[in] u [dofs] state, scaled unknowns
@@ -249,30 +248,30 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
 void haft_model_gradient(const haft_model *model, const haft_law_rows *laws, const double *u,
                          double load, double *gradient);
 
-/** y = H x, strain through the deformation modes and contact site by site: where elements are short
- *  the assembled Hessian's own product would lose digits like (length / element)^4. Thread-safe. */
+/** y = H x, by the deformation modes of the elements and site by site. The product with the
+ *  assembled Hessian would lose digits like (length / element)^4. Thread-safe. */
 void haft_model_multiply(const haft_model *model, const double *site_stiffness, const double *x,
                          double *y);
 
-/** Deflection w [m] and rotation dw/dx of a beam at x: Hermite interpolation of its own shape. */
+/** Deflection w [m] and rotation dw/dx of a beam at x, by Hermite interpolation. */
 void haft_model_shape(const haft_model *model, const double *u, double x, double *deflection,
                       double *rotation);
 
-/** The same shape of a beam on another of its meshes: each node of `to` that `from` has takes its
- *  values, others those of the cubic between. Exact where the beam is cubic between the nodes of
- *  either: where the sites in which they differ bear no force.
+/** The shape of a beam on another of its meshes: nodes of `to` that `from` has take its values,
+ *  others those of the cubic between. Exact if the sites in which the meshes differ bear no
+ *  force, since the beam is then cubic between the nodes of either.
  *  @param[in] from the mesh of `u`
  *  @param[in] to another active mesh of the same beam
  *  @param[in] u dofs of `from`
  *  @param[out] out dofs of `to`, not `u`. Thread-safe. */
 void haft_model_carry(const haft_model *from, const haft_model *to, const double *u, double *out);
 
-/** Length from the clamp to the first point where the attraction of the patch above it is felt,
- *  d(x) <= reach[r], found in the beam's own cubic shape to round-off.
+/** Length from the clamp to the first point where the attraction of its patch is felt, d(x) <=
+ *  reach[r], in the beam's own cubic shape, to rounding.
  *  @param[in] model the structure
  *  @param[in] reach one a site [m]: haft_law_reach(law, share) of its law
  *  @param[in] u dofs scaled unknowns
- *  @return the model's length if the beam touches nowhere (then it is free). Thread-safe. */
+ *  @return the beam's length if it touches nowhere (it is free). Thread-safe. */
 double haft_model_crack_length(const haft_model *model, const double *reach, const double *u);
 
 #ifdef __cplusplus

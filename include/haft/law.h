@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/** The four numbers that stand for a law. Source: Hoang et al. (2017), Eqs. 18-21. */
+/** The law vector: four numbers that describe a law. Source: Hoang et al. (2017), Eqs. 18-21. */
 typedef struct haft_law_vector {
     double e;       /**< energy of the attractive part [J/m^2], > 0 */
     double f_max;   /**< greatest pull [Pa], > 0 */
@@ -20,13 +20,13 @@ typedef struct haft_law_vector {
     double d_limit; /**< gap at which the push reaches f_limit [m], < d_max */
 } haft_law_vector;
 
-/** Why a curve has no law vector, or a law vector no Morse law. */
+/** Why a curve has no law vector, or a law vector has no Morse law. */
 typedef enum haft_law_fault {
     HAFT_LAW_SOUND = 0,     /**< none */
     HAFT_LAW_NO_ATTRACTION, /**< never pulls */
     HAFT_LAW_TWO_WELLS,     /**< two pulls with a barrier between them */
     HAFT_LAW_RANGE_LEFT,    /**< the push does not reach f_limit on the grid */
-    HAFT_LAW_RANGE_RIGHT,   /**< the pull has not died away at the grid's end */
+    HAFT_LAW_RANGE_RIGHT,   /**< the pull has not decayed at the grid's end */
     HAFT_LAW_BOUND,         /**< e <= f_max / (2 a_left): the left wing alone holds more energy */
     HAFT_LAW_INVALID, /**< a number is not finite, or e, f_max, d_max - d_limit not positive */
     HAFT_LAW_FAULTS   /**< how many there are */
@@ -35,24 +35,25 @@ typedef enum haft_law_fault {
 /** A short name of a fault ("two wells"), never NULL. */
 const char *haft_law_fault_name(haft_law_fault fault);
 
-/** What a limit push comes to [Pa]. f_limit is a number of Pa, or a share of the law's own f_max:
- *  functions take either as one number, a share as haft_law_share(share) = -share. So f_limit if
- *  positive, else -f_limit f_max. */
+/** The limit push [Pa]. f_limit is a pressure in Pa, or a share of the law's own f_max.
+ *  Functions take either as one number, a share as haft_law_share(share) = -share. The result is
+ *  f_limit if positive, else -f_limit f_max. */
 double haft_law_limit(double f_limit, double f_max);
 
-/** A share of f_max, in (0, 1), as functions take it for a limit push: -share. */
+/** Encodes a share of f_max as a limit push: -share. */
 double haft_law_share(double share);
 
-/** Share of f_max by which the pull must sink between two wells to count as a barrier, and that the
- *  last point's pull must be below. */
+/** Share of f_max: a smaller dip between two wells is no barrier, and the pull at the last point
+ *  must be below it. */
 #define HAFT_LAW_PROMINENCE 0.05
 
 /** Law vector of a sampled curve, read off its C1 monotone interpolant: d_max and f_max from the
  *  parabola through the three points about the greatest pull, e the exact integral of the
- *  interpolant's negative part (0 from the last point on), d_limit the first crossing of f_limit to
- *  the left of d_max. On a Morse law, whose second derivative jumps at d_max, d_max is good to
- *  first order in the step, f_max to second, e to third, d_limit to fourth. Of several faults the
- *  first is told: invalid, no attraction, range right, two wells, range left.
+ *  interpolant's negative part (0 from the last point on), d_limit the first crossing of f_limit
+ *  to the left of d_max. On a Morse law, whose second derivative jumps at d_max, d_max is good
+ *  to first order in the step, f_max to second, e to third, d_limit to fourth. Of several faults
+ *  the first in this order is returned: invalid, no attraction, range right, two wells, range
+ *  left.
  *  @param[in] n points
  *  @param[in] distance evenly increasing [m], n >= 4
  *  @param[in] force [n] at them [Pa], pushing positive
@@ -66,7 +67,7 @@ haft_law_fault haft_law_characterise(size_t n, const double *distance, const dou
 /** Table of a curve: piecewise cubic Hermite, monotone between points. */
 typedef struct haft_law_table haft_law_table;
 
-/** What a law is evaluated by. */
+/** The kinds of laws. */
 typedef enum haft_law_kind {
     HAFT_LAW_MORSE, /**< the two-wing Morse law of a vector */
     HAFT_LAW_TABLE, /**< the curve itself */
@@ -79,7 +80,7 @@ typedef struct haft_law {
     double d_max;                /**< its gap [m]; NaN: never pulls */
     double a_left;               /**< Morse exponent below d_max [1/m] */
     double a_right;              /**< and above [1/m] */
-    double wall_distance;        /**< below it the wall goes on linearly [m] */
+    double wall_distance;        /**< below it the wall continues linearly [m] */
     double wall_force;           /**< f at the wall [Pa] */
     double wall_slope;           /**< f' there [Pa/m] */
     double wall_potential;       /**< Phi there [J/m^2] */
@@ -110,11 +111,10 @@ haft_law_fault haft_law_vector_fault(const haft_law_vector *vector, double f_lim
 /** The vector of a Morse law, read back from its exponents. Inverse of haft_law_morse(). */
 haft_law_vector haft_law_morse_vector(const haft_law *law);
 
-/** Makes a table of a curve by monotone cubic Hermite interpolation; left of the first point the
- *  tangent goes on as the law's wall, right of the last the force is zero. A curve that begins with
- *  points from which it rises is taken without them.
- *  Fourth order in the step where the curve is monotone and the grid even, third where it is not,
- *  second at its extrema.
+/** Makes a table of a curve by monotone cubic Hermite interpolation; to the left of the first
+ *  point the tangent continues as the law's wall; to the right of the last the force is zero.
+ *  Leading points from which the curve rises are left out. Fourth order in the step where the
+ *  curve is monotone and the grid even, third where it is not, second at its extrema.
  *  @param[out] out the table; NULL after a failure
  *  @param[in] n points
  *  @param[in] distance strictly increasing [m], n >= 4; an even grid is looked up in O(1)
@@ -122,8 +122,8 @@ haft_law_vector haft_law_morse_vector(const haft_law *law);
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_INPUT if a number is not finite, if the curve has no wall (it pulls at its
  *  first point, or nowhere pushes and then falls), or if its last value, which is taken as 0,
- * exceeds HAFT_LAW_PROMINENCE of the greatest pull (or, for a curve that never pulls, of the
- * greatest push). Source: Hyman (1983), on even grids; Fritsch and Butland (1984). */
+ *  exceeds HAFT_LAW_PROMINENCE of the greatest pull (or, for a curve that never pulls, of the
+ *  greatest push). Source: Hyman (1983), on even grids; Fritsch and Butland (1984). */
 haft_status haft_law_table_create(haft_law_table **out, size_t n, const double *distance,
                                   const double *force, haft_error *error) HAFT_MUST_CHECK;
 
@@ -133,14 +133,14 @@ void haft_law_table_destroy(haft_law_table **table);
 /** The law of a table, which must outlive it. */
 haft_law haft_law_from_table(const haft_law_table *table);
 
-/** Value, slope, curvature and potential at gap d [m], which is no NaN. Finite for |d| up to 1e100
- * m (the potential of the wall grows by d^2). Thread-safe. */
+/** Value, slope, curvature and potential at gap d [m], which must not be NaN. Finite for |d| up
+ *  to 1e100 m (the potential of the wall grows by d^2). Thread-safe. */
 haft_law_value haft_law_evaluate(const haft_law *law, double d);
 
-/** Laws laid out for evaluation many at a time. Tables are borrowed. */
+/** Laws laid out for evaluating many at a time. Tables are borrowed. */
 typedef struct haft_law_rows haft_law_rows;
 
-/** Lays laws out. A law's tables must outlive the rows.
+/** Lays laws out. Their tables must outlive the rows.
  *  @param[out] out the rows, to be destroyed
  *  @param[in] n how many laws
  *  @param[in] laws n of them; copied, but for their tables
@@ -160,20 +160,19 @@ typedef struct haft_law_values {
     double *potential; /**< [J/m^2] */
 } haft_law_values;
 
-/** Values of n laws from law `first` on, that of law first + i at gap d[i]: the same bits as
+/** Evaluates n laws from law `first` on, law first + i at gap d[i]: the same bits as
  *  haft_law_evaluate(), in a fraction of the time.
  *  @param[in] rows the laws
  *  @param[in] first the first of them asked for
  *  @param[in] n how many, first + n at most as many as there are
  *  @param[in] d [n] gaps [m]
  *  @param[out] out [n] each
- *  @return how many, from the first on, are known to be nil, as a free span's are: set to 0. All n,
- *  or whole lanes.
- *  Thread-safe. */
+ *  @return the number of leading laws that are known to be zero, as in a free span: all n, or a
+ *  multiple of HAFT_SIMD_WIDTH. Thread-safe. */
 size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                               const haft_law_values *out);
 
-/** The largest gap at which the pull still is `share` of f_max [m]; for a law that never pulls, the
+/** The largest gap [m] at which the pull is `share` of f_max; for a law that never pulls, the
  *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
 double haft_law_reach(const haft_law *law, double share);
 
@@ -182,17 +181,16 @@ double haft_law_reach(const haft_law *law, double share);
  * the gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
 double haft_law_extent(const haft_law *law, double share);
 
-/** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a Morse
- *  law; of a table the same read off its steepest slope beyond its wall, 4 f_max over that slope.
- *  Thread-safe. */
+/** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a
+ *  Morse law; of a table, 4 f_max over the steepest slope beyond its wall, which is the same for
+ *  a Morse law. Thread-safe. */
 double haft_law_range(const haft_law *law);
 
-/** Where a law changes over which length: a wall may be very much narrower than the well behind it.
- */
+/** The lengths over which a law changes: a wall can be much narrower than the well behind it. */
 typedef struct haft_law_lengths {
     double range; /**< haft_law_range(): up to the gap `edge` [m] */
     double edge;  /**< [m] */
-    double wide;  /**< and beyond, >= range [m]; range, unless it is ten times as long or longer */
+    double wide;  /**< beyond the edge [m]; equal to `range` unless at least ten times as long */
 } haft_law_lengths;
 
 /** The lengths over which a law changes. Of a Morse law the edge is d_max; of a table the end of
@@ -200,18 +198,18 @@ typedef struct haft_law_lengths {
  *  quarter. Thread-safe. */
 haft_law_lengths haft_law_find_lengths(const haft_law *law);
 
-/** The misfit of a law to the curve it stands for: integral |f_law - f| from the law's wall to the
- *  curve's end, over that of the curve's pull, by the trapezoidal rule on its points. 0 for a law
- *  that is the curve; 1 if as much energy is out of place as there is.
- *  @param[in] law held against the curve
+/** The misfit of a law to its curve: the integral of |f_law - f| from the law's wall to the
+ *  curve's end, over the integral of the curve's pull, by the trapezoidal rule on its points. 0
+ *  if the law is the curve.
+ *  @param[in] law compared with the curve
  *  @param[in] n points
  *  @param[in] distance increasing [m], n >= 2
  *  @param[in] force [n] of the curve at them [Pa]
- *  @return no finite number for a curve that never pulls. Thread-safe. */
+ *  @return not finite for a curve that never pulls. Thread-safe. */
 double haft_law_misfit(const haft_law *law, size_t n, const double *distance, const double *force);
 
-/** The energy of a curve's pull, e of haft_law_characterise(), whatever faults the curve has: that
- * of all its wells.
+/** The energy of a curve's pull, the e of haft_law_characterise(), over all wells and whatever
+ *  its faults.
  *  @param[in] n points, >= 2
  *  @param[in] distance n gaps, increasing [m]
  *  @param[in] force n of them [Pa]

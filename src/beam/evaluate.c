@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Energy, gradient and Hessian of a state. Strain goes through the elements' deformation modes,
- * deflections subtracted first: with K u the rigid part of a slender element would swamp it. */
+/* Energy, gradient and Hessian of a state. The strain energy is evaluated through the elements'
+ * deformation modes, after subtracting deflections: in K u, rounding of the rigid motion of a
+ * slender element would exceed its strain. */
 #include "sites.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ static void add_load(const haft_site *site, double factor, double *gradient, dou
     }
 }
 
-/* What the sites of one stretch give at their gaps d. */
+/* The laws of one stretch of sites at their gaps d. */
 typedef struct stretch_state {
     double d[HAFT_STRETCH_ROOM], force[HAFT_STRETCH_ROOM], slope[HAFT_STRETCH_ROOM];
     double potential[HAFT_STRETCH_ROOM];
@@ -68,7 +69,7 @@ HAFT_CLONES static double weigh_stretch(const double *area, size_t zeros, size_t
     return sum;
 }
 
-/* The largest term that n sites, in whole lanes, give the gradient. */
+/* The largest term of n sites in the gradient; n is rounded up to the SIMD width. */
 HAFT_CLONES static double largest_term(const double *top, size_t zeros, size_t n,
                                        const double *force) {
     double part[HAFT_SIMD_WIDTH] = {0}, largest = 0;
@@ -139,7 +140,7 @@ haft_energy haft_model_evaluate(const haft_model *model, const haft_law_rows *la
     return energy;
 }
 
-/* Pushes into forces, in units of energy. */
+/* Turns pressures into forces, in units of energy. */
 HAFT_CLONES static void weigh_forces(const double *area, size_t zeros, size_t n, double unit,
                                      double *force) {
     double by_unit = 1 / unit;

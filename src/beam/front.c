@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The front part of a beam. Its unknowns are numbered from the clamp on, two a node, element e
- * between nodes e and e + 1 of which the clamp is the first: what stands behind a held node touches
- * none of the unknowns before it. */
+/* The front part of a beam. Unknowns are numbered from the clamp, two per node, and element e
+ * lies between nodes e and e + 1, the clamp being node 0. So elements behind a frozen node act
+ * on none of the unknowns before it. */
 #include "sites.h"
 
-/* A front grows and shrinks by so many sites, for each change of it costs an evaluation. */
+/* A front grows and shrinks by this many sites, because each change costs an evaluation. */
 enum { BLOCK = 32 };
 
 size_t haft_model_set_front(haft_model *front, const haft_model *model, size_t sites) {
@@ -13,12 +13,12 @@ size_t haft_model_set_front(haft_model *front, const haft_model *model, size_t s
     size_t inert = model->data.inert, asked = sites > inert ? sites - inert : 1;
     size_t first = inert + (asked + BLOCK - 1) / BLOCK * BLOCK; /* the first that is frozen */
     while (first < model->data.sites && dof[first] <= dof[inert + asked - 1]) {
-        first += BLOCK; /* a site asked for is not frozen with its element */
+        first += BLOCK; /* do not freeze the element of a site that must move */
     }
     if (model->data.nodes == 0 || first >= model->data.sites) {
         return model->data.dofs;
     }
-    while (dof[first - 1] == dof[first]) { /* those before it on its element do not move either */
+    while (dof[first - 1] == dof[first]) { /* the sites before it on its element are frozen too */
         first--;
     }
     size_t node = (size_t)dof[first] / 2, moving = 2 * node;

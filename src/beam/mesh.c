@@ -7,17 +7,17 @@
 #include <math.h>
 #include <string.h>
 
-/* Share of the sites that each shorter mesh has of the one before, and how many at least. */
+/* Each shorter mesh has this share of the sites of the one before, and at least so many. */
 #define SHORTER_SHARE 0.85
 enum { LEAST_ACTIVE = 24 };
 
 /* Elements that differ from the pitch by less than this share of it have the same length. */
 #define PITCH_TOLERANCE 1e-9
 
-/* The load gets no node of its own where a node is nearer than this share of a patch: an element as
- * short as that would cost the others their digits. It acts in the element where it is. That is
- * exact at all nodes (Hermite elements hold the Green's functions of their nodes), and the
- * deflection at the load misses P a^3 / (3 E I), a its distance from the node. */
+/* The load gets no node of its own if a node is nearer than this share of a patch: so short an
+ * element would cost the others digits. The load then acts within its element. All nodes stay
+ * exact (Hermite elements contain the Green's functions of their nodes); only the deflection at
+ * the load lacks P a^3 / (3 E I), with a the distance from the node. */
 #define LOAD_TOLERANCE 0.01
 
 static haft_status check_fineness(const haft_beam_spec *beam, const haft_mesh_spec *mesh,
@@ -53,7 +53,7 @@ static haft_status count_divisions(double length, double part, const char *key, 
     return HAFT_OK;
 }
 
-/* Merges one more position into a sorted list, unless it is there. */
+/* Inserts a position into a sorted list unless it is already there. */
 static size_t insert_node(double *x, size_t n, double position, double tolerance) {
     size_t i = 0;
     while (i < n && x[i] < position - tolerance) {
@@ -140,15 +140,15 @@ static void element_dofs(size_t e, int dof[HAFT_SPAN]) {
     }
 }
 
-/* The same of site r on a uniform mesh, 2 r + 1 half patches from the clamp, by whole numbers:
- * sites in the same place of their elements are so to the bit. */
+/* The same for site r of a uniform mesh, 2 r + 1 half patches from the clamp. Integer arithmetic
+ * gives sites at the same place of their elements the same bits. */
 static size_t find_uniform_element(size_t elements, size_t sites, size_t r, double *xi) {
     size_t beam = 2 * sites; /* half patches; an element is beam / elements of them long */
     *xi = (double)((2 * r + 1) * elements % beam) / (double)beam;
     return (2 * r + 1) * elements / beam;
 }
 
-/* The point at xi in element e of length l, as a row on its unknowns, in metres a unit of each. */
+/* Shape functions at xi in element e of length l [m per unit of each unknown]. */
 static haft_site make_point(size_t e, double xi, double l, const double *node_scale, double gap) {
     haft_site site = {0};
     element_dofs(e, site.dof);
@@ -160,8 +160,8 @@ static haft_site make_point(size_t e, double xi, double l, const double *node_sc
     return site;
 }
 
-/* Length of element e. Those a pitch long are so to the bit, and alike: not what the rounding of
- * their nodes' positions would make of each. */
+/* Length of element e. Elements of one pitch get the same bits, whatever the rounding of their
+ * nodes' positions. */
 static double element_length(const double *node_x, size_t e, double pitch) {
     double l = node_x[e + 1] - node_x[e];
     return fabs(l - pitch) < PITCH_TOLERANCE * pitch ? pitch : l;
@@ -186,7 +186,7 @@ static haft_element make_element(const double *node_length, size_t e, double l,
     return element;
 }
 
-/* The arrays a mesh is put together from, freed together. */
+/* The arrays that a mesh is made from; freed together. */
 typedef struct beam_parts {
     double *x, *node_length, *node_scale, *scale;
     haft_element *element;
@@ -299,7 +299,7 @@ static haft_status create_mesh(haft_model **out, const haft_beam_spec *beam,
     return status;
 }
 
-/* Hangs on a model the shorter ones of its beam. */
+/* Creates the shorter models of a beam. */
 static haft_status add_shorter(haft_model *model, const haft_beam_spec *beam,
                                const haft_mesh_spec *mesh, haft_error *error) {
     haft_mesh_spec shorter = *mesh;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Assembly: the sparsity pattern, fixed for the life of a model, with the place of every element's
- * and site's entry looked up once, so that assembling a Hessian is additions alone. */
+/* Assembly. The sparsity pattern is fixed for the life of a model, and the place of every entry
+ * of elements and sites is looked up once. Assembling a Hessian is then only additions. */
 #include "sites.h"
 
 #include <math.h>
@@ -130,7 +130,7 @@ static void assemble_constants(haft_model *model) {
     }
 }
 
-/* Puts the terms that count in front: an unknown that is held, or has no part, costs nothing. */
+/* Moves the nonzero terms to the front, so that fixed unknowns and zero shapes cost nothing. */
 static void compact_site(haft_site *site) {
     int terms = 0;
     for (int k = 0; k < HAFT_SPAN; k++) {

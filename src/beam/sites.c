@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sites in vector code. Where several share an element, they share its four unknowns: their
- * displacements are computed together, and what they give is summed before it is scattered once. On
- * a mesh with a node at each, a site is one unknown and one entry. */
+/* Displacements, forces and stiffness of many sites at once. Sites of the same element share its
+ * four unknowns: their displacements are computed together, and their forces are summed before
+ * they are scattered once. On a mesh with a node at each site, a site is one unknown and one
+ * entry. */
 #include "sites.h"
 
 #include <math.h>
@@ -9,17 +10,17 @@
 
 enum { ENTRIES = HAFT_SPAN * HAFT_SPAN };
 
-/* How many sites' entries the nearest cache has room for, beside all else. */
+/* Number of sites whose entries fit into the first-level cache besides everything else. */
 enum { NEAR_SITES = 32 };
 
-/* The gaps [m] in the lanes behind the last site: no law is anything there. */
+/* The gap [m] that pads the last group of sites: all laws are zero there. */
 #define OUT_OF_REACH 1e100
 
 static bool same_unknowns(const haft_site *a, const haft_site *b) {
     return memcmp(a->dof, b->dof, sizeof a->dof) == 0;
 }
 
-/* Whether site r goes on the run that ends before it. */
+/* Whether site r continues the run that ends before it. */
 static bool continues(const haft_model *model, const haft_run *run, size_t r) {
     const haft_site *site = &model->data.site[r];
     return run->shared ? same_unknowns(&model->data.site[run->first], site) : site->terms == 1;
@@ -48,7 +49,7 @@ static size_t find_runs(haft_layout *layout, const haft_model *model) {
     return stretches;
 }
 
-/* Whether n sites from b on are shaped as those from a on. */
+/* Whether n sites from b on have the same shapes as those from a on. */
 static bool same_shapes(const haft_site *a, const haft_site *b, size_t n) {
     for (size_t i = 0; i < n; i++) {
         if (memcmp(a[i].shape, b[i].shape, sizeof a->shape) != 0) {
@@ -58,7 +59,7 @@ static bool same_shapes(const haft_site *a, const haft_site *b, size_t n) {
     return true;
 }
 
-/* Has runs across whole elements read the entries of the first element that they are alike. */
+/* Makes runs across whole elements use the entries of the first element with the same shapes. */
 static void find_alike(haft_layout *layout, const haft_model *model) {
     size_t n = 0;
     while (n < layout->runs && !layout->run[n].whole) {
@@ -160,7 +161,7 @@ void haft_layout_destroy(haft_layout **layout) {
     *layout = NULL;
 }
 
-/* The unknowns that a run's sites share. */
+/* The unknowns shared by the sites of a run. */
 static inline void read_unknowns(const haft_model *model, const haft_run *run, const double *u,
                                  double v[HAFT_SPAN]) {
     const haft_site *site = &model->data.site[run->first];
@@ -169,8 +170,8 @@ static inline void read_unknowns(const haft_model *model, const haft_run *run, c
     }
 }
 
-/* w of a run's sites, or their gaps that it leaves of `gap`, in whole lanes: what runs over its end
- * is the next run's to write. */
+/* Displacements w of a run's sites, or the gaps `gap` - w. The last group may write past the
+ * run; the next run overwrites that. */
 HAFT_INLINE void displace_shared(const haft_layout *layout, const haft_run *run,
                                  const double v[HAFT_SPAN], const double *gap,
                                  double *restrict out) {
@@ -232,7 +233,7 @@ void haft_stretch_gaps(const haft_model *model, const haft_stretch *s, const dou
     find_gaps(model, s, u, d);
 }
 
-/* How many of a run's sites, from the first on, stay farther than `reach` from the substrate. */
+/* The number of leading sites of a run whose gap is larger than their reach. */
 HAFT_CLONES static size_t count_clear(const haft_model *model, const haft_run *run, const double *u,
                                       const double *reach) {
     double v[HAFT_SPAN], w[HAFT_STRETCH_ROOM];
@@ -281,7 +282,7 @@ static void scatter_nodes(const haft_layout *layout, size_t first, size_t sites,
     }
 }
 
-/* A run across an element of which not all is there: a clamp, or what is no beam. */
+/* A run on an element that lacks unknowns: at the clamp, or in a structure that is no beam. */
 static void scatter_part(const haft_model *model, const haft_run *run, const double *force,
                          const double *stiffness, double *gradient, double *hessian) {
     const haft_site *site = &model->data.site[run->first];

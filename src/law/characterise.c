@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The four numbers of a sampled curve, and the faults that keep it from having them. The greatest
- * pull comes from a parabola, since the monotone interpolant cuts its bottom off; energy and limit
- * are read off the interpolant exactly. No memory is taken. */
+/* The law vector of a sampled curve, and the faults that prevent one. The greatest pull is the
+ * vertex of a parabola, because the monotone interpolant flattens the minimum. Energy and limit
+ * are exact for the interpolant. Allocates no memory. */
 #include <math.h>
 
 #include "haft/law.h"
@@ -11,7 +11,7 @@ static double pull(double force) {
     return fmax(-force, 0);
 }
 
-/* Whether the pull, going away from its greatest point, rises again by more than `barrier`. */
+/* Whether the pull rises again by more than `barrier` on the way from its maximum outwards. */
 static bool rises_again(const double *force, size_t from, size_t to, double barrier) {
     double least = INFINITY;
     size_t i = from;

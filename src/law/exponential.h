@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The exponential of the Morse law, written out so that a loop over sites becomes vector code, and
- * so that its bits do not depend on which exponential a C library picks for a processor. */
+/* The exponential of the Morse law. It is written out so that a loop over sites becomes vector
+ * code, and so that its bits do not depend on the C library's choice for a processor. */
 #ifndef HAFT_LAW_EXPONENTIAL_H
 #define HAFT_LAW_EXPONENTIAL_H
 
@@ -9,9 +9,9 @@
 #include <stdint.h>
 #include <string.h>
 
-/* e^x for |x| <= 700, to an ulp: x = n ln 2 + r, |r| <= ln(2)/2, the Taylor polynomial of degree 13
- * in r (its remainder is below 5e-18), its terms summed in pairs and fours, for a processor adds
- * several at a time; and n put into the exponent. */
+/* e^x for |x| <= 700, to an ulp: x = n ln 2 + r with |r| <= ln(2)/2, the Taylor polynomial of
+ * degree 13 in r (remainder below 5e-18), and n added to the exponent. Terms are summed in pairs
+ * and fours, which a processor adds in parallel. */
 HAFT_INLINE double haft_law_exponential(double x) {
     const double shift = 0x1.8p52; /* adding it rounds to an integer, held in the low bits */
     double t = x * 0x1.71547652b82fep0 + shift;

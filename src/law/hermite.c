@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Piecewise cubic Hermite interpolation that is monotone wherever the points are. Slopes are zero
- * where the neighbouring secants differ in sign. Elsewhere, on an even grid, they are the central
- * differences of fourth order, held between 0 and three times the flatter secant (Fritsch and
- * Carlson 1980; Hyman 1983); on others, and beside the ends, a weighted harmonic mean of the
- * secants (Fritsch and Butland 1984). Fourth and third order in the step where the curve is
- * monotone, second at an extremum, which is cut flat at its highest point. */
+/* Piecewise cubic Hermite interpolation that is monotone wherever the points are. Slopes are
+ * zero where the neighbouring secants differ in sign. Elsewhere, on an even grid, they are the
+ * central differences of fourth order, limited to between 0 and three times the flatter secant
+ * (Fritsch and Carlson 1980; Hyman 1983); on others, and beside the ends, a weighted harmonic
+ * mean of the secants (Fritsch and Butland 1984). Fourth and third order in the step where the
+ * curve is monotone; second order at an extremum, which is flattened. */
 #include "law/hermite.h"
 
 #include <math.h>
@@ -36,8 +36,8 @@ static double secant(size_t n, const double *x, const double *f, size_t i) {
     return (point_value(n, f, i + 1) - point_value(n, f, i)) / (x[i + 1] - x[i]);
 }
 
-/* The left end: the parabola's slope, held back so that the cubic stays monotone. Where the curve
- * falls, so does the tangent, which goes on to the left as a law's wall: by no less than half the
+/* The left end: the parabola's slope, limited so that the cubic stays monotone. Where the curve
+ * falls, the tangent, which continues to the left as the law's wall, falls by at least half the
  * secant. */
 static double first_slope(size_t n, const double *x, const double *f) {
     double h0 = x[1] - x[0], h1 = x[2] - x[1];
@@ -49,7 +49,7 @@ static double first_slope(size_t n, const double *x, const double *f) {
     return fmax(fmin(slope, 0.5 * s0), 3 * s0);
 }
 
-/* Whether the four steps about point i are there and even. */
+/* Whether the four steps around point i exist and are equal. */
 static bool is_even_about(size_t n, const double *x, size_t i) {
     return i >= 2 && i + 2 < n && haft_hermite_is_even(5, x + i - 2);
 }

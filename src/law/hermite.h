@@ -14,7 +14,7 @@ typedef struct haft_hermite {
 /* Whether x is finite and strictly increasing and f finite. */
 bool haft_hermite_is_curve(size_t n, const double *x, const double *f);
 
-/* Whether no x is off an even grid by more than a millionth of its step. */
+/* Whether the grid is even: no x differs by more than a millionth of a step. */
 bool haft_hermite_is_even(size_t n, const double *x);
 
 /* A piece's values and slopes at its left and right end. */
@@ -22,10 +22,10 @@ typedef struct haft_hermite_ends {
     double value[2], slope[2];
 } haft_hermite_ends;
 
-/* Those of [x[i], x[i + 1]], as below. */
+/* The values and slopes at the ends of [x[i], x[i + 1]], as below. */
 haft_hermite_ends haft_hermite_at_ends(size_t n, const double *x, const double *f, size_t i);
 
-/* The cubic of given ends. */
+/* The cubic with given values and slopes at its ends. */
 haft_hermite haft_hermite_from_ends(haft_hermite_ends ends, double width);
 
 /* The cubic of [x[i], x[i + 1]] with slopes that keep it monotone; n >= 3. The last point counts as
@@ -37,8 +37,8 @@ static inline double haft_hermite_value(const haft_hermite *cubic, double t) {
     return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
 }
 
-/* Integral from s to t, to the rounding of (t - s) times the terms of f: nothing of what lies
- * outside is subtracted. */
+/* Integral from s to t, to the rounding of (t - s) times the terms of f: without a difference of
+ * two antiderivatives. */
 static inline double haft_hermite_integral(const haft_hermite *cubic, double s, double t) {
     const double *c = cubic->c;
     double sum = s + t, squares = s * s + t * t;
@@ -46,7 +46,7 @@ static inline double haft_hermite_integral(const haft_hermite *cubic, double s, 
                       0.25 * c[3] * sum * squares);
 }
 
-/* Where a cubic that is monotone on its width takes `value`, which lies between its end values. */
+/* The place where a cubic that is monotone on its width takes `value`, between its end values. */
 double haft_hermite_solve(const haft_hermite *cubic, double value);
 
 /* The largest |slope| on the width. */

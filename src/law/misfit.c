@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far a law is from the curve it stands for: the area between them, by the trapezoidal rule on
- * the curve's points. */
+/* The misfit of a law to its curve: the area between them, by the trapezoidal rule on the
+ * curve's points. */
 #include <math.h>
 
 #include "haft/law.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A curve as a C1 law: cubics between its points, the first tangent to the left of them, nothing to
- * the right. The potential is the exact integral of the cubics, summed from the right end once.
+/* A curve as a C1 law: cubics between its points, the tangent to the left of them, zero to the
+ * right. The potential is the exact integral of the cubics, summed from the right end once.
  *
- * A cubic is evaluated in the Hermite basis, its potential from its right end: next to either end
- * only that end's numbers count. In powers from the left end, a force or a potential that is small
- * at the right end of a steep piece would be the difference of large numbers.
+ * A cubic is evaluated in the Hermite basis, and its potential from its right end, so that close
+ * to an end only the numbers of that end count. In powers from the left end, a small force or
+ * potential at the right end of a steep piece would be the difference of large numbers.
  *
  * Even grids are looked up by arithmetic, others by bisection. */
 #include "law/table.h"
@@ -15,7 +15,7 @@
 
 enum { CACHE_LINE = 64, AHEAD = 16, LEAST_POINTS = 4 };
 
-/* One line of the cache: a beam's laws together are larger than it. */
+/* One cache line, because the laws of a beam do not fit into the cache. */
 typedef struct piece {
     _Alignas(CACHE_LINE) double force[2]; /* at its ends */
     double rise[2];                       /* the slopes there times the width */
@@ -50,9 +50,10 @@ static double greatest(size_t n, const double *f, double sign, size_t *where) {
     return most;
 }
 
-/* A law needs a wall: it must push at its first point, and less at the next one. Otherwise nothing
- * stops a site from sinking through the substrate. So the points before the first that is followed
- * by a fall are left out. @return how many; a curve without any force keeps all its points. */
+/* A law needs a wall: it must push at its first point, and less at the next one. Otherwise
+ * nothing stops a site from sinking through the substrate. So points before the first one that
+ * is followed by a lower one are left out. @return how many; a curve without any force keeps all
+ * its points. */
 static size_t rising_points(size_t n, const double *force, double scale) {
     size_t first = 0;
     while (scale > 0 && first + 1 < n && force[first + 1] >= force[first]) {
