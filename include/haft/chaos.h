@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file chaos.h
- *  The stochastic model of the law vector v = (e, f_max, d_max, d_limit): m vectors in, any number
- *  of vectors out.
+/** @file chaos.h The stochastic model of the law vector v = (e, f_max, d_max, d_limit): built
+ *  from m vectors, it gives any number of vectors.
  *
- *  v is made unbounded (q), q reduced to its principal components (eta), their law estimated by
- *  Gaussian kernels, that law mapped from the unit cube by the inverse Rosenblatt map, and the map
- *  expanded in polynomials orthonormal in a germ:
+ *  v is transformed to unbounded numbers q, and q is reduced to its principal components eta.
+ *  Gaussian kernels estimate the distribution of eta. The inverse Rosenblatt map takes the unit
+ *  cube to that distribution, and is expanded in polynomials that are orthonormal in a germ:
  *
  *      germ x --CDF--> xi in (0,1)^N_g --inverse Rosenblatt--> eta --PCA--> q --bounds--> v
  *      germ x --------------- polynomials ------------------> eta
@@ -21,13 +20,13 @@
 extern "C" {
 #endif
 
-/** Numbers in a law vector, and the most principal components there can be. */
+/** Numbers in a law vector, and the largest number of principal components. */
 #define HAFT_CHAOS_DIMENSION 4
 
 /** Highest order of an expansion. */
 #define HAFT_CHAOS_ORDER_LIMIT 40
 
-/** Most Gauss points a direction. */
+/** Most Gauss points per direction. */
 #define HAFT_CHAOS_POINTS_LIMIT 128
 
 /** Most Gauss points in all. */
@@ -62,21 +61,21 @@ typedef enum haft_chaos_kernel {
                                   *   map and expansion are Scott's times that factor */
 } haft_chaos_kernel;
 
-/** The random variables an expansion is written in, and their orthonormal polynomials. */
+/** The random variables of an expansion, with their orthonormal polynomials. */
 typedef enum haft_chaos_germ {
     HAFT_CHAOS_GERM_LEGENDRE, /**< uniform on (0, 1); the source's */
     HAFT_CHAOS_GERM_HERMITE,  /**< standard normal */
     HAFT_CHAOS_GERM_JACOBI    /**< Beta(2,2) on (0, 1), density 6 x (1 - x) */
 } haft_chaos_germ;
 
-/** Where a law vector is drawn from. */
+/** The source of a law vector. */
 typedef enum haft_chaos_sampler {
     HAFT_CHAOS_SAMPLER_GPCE,      /**< the expansion at a random germ */
     HAFT_CHAOS_SAMPLER_EXACT,     /**< the inverse Rosenblatt map of the same germ, not expanded */
     HAFT_CHAOS_SAMPLER_KERNEL,    /**< a random centre plus kernel noise: the same law, directly */
-    HAFT_CHAOS_SAMPLER_BOOTSTRAP, /**< one of the m vectors as they came */
-    HAFT_CHAOS_SAMPLER_MEAN       /**< the same law everywhere: the one of the mean q, which means
-                                   *   geometric means of what enters by its logarithm */
+    HAFT_CHAOS_SAMPLER_BOOTSTRAP, /**< one of the m vectors */
+    HAFT_CHAOS_SAMPLER_MEAN /**< the same law everywhere, that of the mean q: geometric means of the
+                               numbers that enter by their logarithm */
 } haft_chaos_sampler;
 
 /** A short name ("strict"), never NULL. */
@@ -91,7 +90,8 @@ const char *haft_chaos_germ_name(haft_chaos_germ germ);
 /** A short name ("gpce"), never NULL. */
 const char *haft_chaos_sampler_name(haft_chaos_sampler sampler);
 
-/** Choices of a model; all zeros but f_limit, order and epsilon (or components) is the default. */
+/** Choices of a model. The default is zero, except for f_limit, order and epsilon (or
+ *  components). */
 typedef struct haft_chaos_spec {
     haft_chaos_bounds bounds; /**< which every vector keeps */
     double f_limit;           /**< push that d_limit is defined by, as haft_law_limit() takes it */
@@ -99,20 +99,21 @@ typedef struct haft_chaos_spec {
     double epsilon;           /**< in (0, 1); read only if components is 0 (Eq. 32) */
     size_t component_order[HAFT_CHAOS_DIMENSION]; /**< the principal component that comes 1st, 2nd,
                                                    *   ... in the Rosenblatt map; all 0: 0 1 2 3 */
-    haft_chaos_kernel kernel;                     /**< how they stand about the data */
+    haft_chaos_kernel kernel;                     /**< how the kernels lie around the data */
     double bandwidth;     /**< h in standard deviations; 0: Scott's m^(-1/(N_g + 4)) */
     haft_chaos_germ germ; /**< variables of the expansion */
     size_t order;         /**< N_d, total order, 0 to HAFT_CHAOS_ORDER_LIMIT */
     size_t points;        /**< Gauss points a direction, > N_d; 0: N_d + 1 */
 } haft_chaos_spec;
 
-/** The model: read-only once made, shared by any number of threads. */
+/** The model, read-only once made. Any number of threads may share it. */
 typedef struct haft_chaos haft_chaos;
 
 /** Arrays for the Rosenblatt map, one a thread. */
 typedef struct haft_chaos_work haft_chaos_work;
 
-/** Makes the model of m law vectors, in parallel by OpenMP; its bits do not depend on the threads.
+/** Builds the model of m law vectors, in parallel by OpenMP. Its bits do not depend on the
+ *  number of threads.
  *  @param[out] out the model; NULL after a failure
  *  @param[in] m how many vectors
  *  @param[in] spec choices
@@ -133,8 +134,8 @@ haft_status haft_chaos_work_create(haft_chaos_work **out, const haft_chaos *chao
 /** Frees them and sets the pointer to NULL; NULL is allowed. */
 void haft_chaos_work_destroy(haft_chaos_work **work);
 
-/** Everything a model is made of, to be written to a file and read back. Polynomials are
- *  orthonormal: the mean of the square of each under the germ's law is 1. */
+/** All parts of a model, to be written to a file and read back. Polynomials are orthonormal: the
+ *  mean square of each under the germ's distribution is 1. */
 typedef struct haft_chaos_parts {
     haft_chaos_bounds bounds;                /**< of q */
     double f_limit;                          /**< as haft_law_limit() takes it */
@@ -165,7 +166,7 @@ typedef struct haft_chaos_parts {
 /** The parts of a model; the arrays are the model's own. Thread-safe. */
 void haft_chaos_get_parts(const haft_chaos *chaos, haft_chaos_parts *parts);
 
-/** A model of its parts, the same to the bit; arrays are copied.
+/** Creates a model from its parts, with the same bits; arrays are copied.
  *  @return HAFT_ERROR_INPUT with one sentence that names the part, its index and what would do. */
 haft_status haft_chaos_create_from_parts(haft_chaos **out, const haft_chaos_parts *parts,
                                          haft_error *error) HAFT_MUST_CHECK;
@@ -174,9 +175,9 @@ haft_status haft_chaos_create_from_parts(haft_chaos **out, const haft_chaos_part
 
 /** q of a law vector, and back. Numbers in logarithms are kept within exp(+-230), d_limit below
  *  d_max and, by the strict bounds, e above f_max/(2 a_left) by one rounding at least, so that
- *  there haft_law_morse() takes what comes back for any finite q. To round-off of q sigma; e -
- * f_max/(2 a_left) and d_max - d_limit lose digits as they are small beside e and d_max. Source:
- * Hoang et al. (2017), Eqs. 24, 27; strict: Eq. 23 solved.
+ *  there haft_law_morse() takes what comes back for any finite q. Accurate to rounding of q
+ *  sigma; e - f_max/(2 a_left) and d_max - d_limit lose digits if they are small compared with e
+ *  and d_max. Source: Hoang et al. (2017), Eqs. 24, 27; strict: Eq. 23 solved.
  *  @param[in] chaos whose bounds and scales
  *  @param[in] vector in SI
  *  @param[out] q [4]; NaN where the vector breaks the bounds. Thread-safe. */
@@ -185,28 +186,29 @@ void haft_chaos_q_from_vector(const haft_chaos *chaos, const haft_law_vector *ve
 /** The law vector of q [4], see haft_chaos_q_from_vector(). Thread-safe. */
 haft_law_vector haft_chaos_vector_from_q(const haft_chaos *chaos, const double *q);
 
-/** eta [N_g] of q [4], its first principal components scaled to unit variance, and back, which
- *  loses the components left out. Source: Hoang et al. (2017), Eqs. 29-31. Thread-safe. */
+/** eta [N_g] of q [4], its first principal components scaled to unit variance, and back. The
+ *  components left out are lost. Source: Hoang et al. (2017), Eqs. 29-31. Thread-safe. */
 void haft_chaos_eta_from_q(const haft_chaos *chaos, const double *q, double *eta);
 
 /** q [4] of eta [N_g], the components left out being 0 (Eq. 31). Thread-safe. */
 void haft_chaos_q_from_eta(const haft_chaos *chaos, const double *eta, double *q);
 
-/** The Rosenblatt map of the kernel density, exact to round-off: a conditional CDF is the sum of
- *  normal CDFs weighted by the kernels of the components fixed before. Kernels that weigh less than
- *  m^-1 e^-75 of the greatest are left out, which changes a tail probability p by 3e-33 at most.
+/** The Rosenblatt map of the kernel density, exact to rounding: a conditional CDF is the sum of
+ *  normal CDFs, weighted by the kernels of the components before. Kernels with less than m^-1
+ *  e^-75 of the greatest weight are left out, which changes a tail probability p by 3e-33 at
+ *  most.
  *  @param[in] chaos the model
  *  @param[in,out] work scratch of one thread
  *  @param[in] eta [N_g], finite
  *  @param[out] xi [N_g] conditional CDFs, number i being that of component component_order[i]
- *  @param[out] tail [N_g] 1 - xi, as accurate for its size as xi; may be NULL
- *  Source: Rosenblatt (1952); Hoang et al. (2017), Eqs. C.1-C.2. Thread-safe, a work a thread. */
+ *  @param[out] tail [N_g] 1 - xi, as accurate for its size as xi; may be NULL Source: Rosenblatt
+ *  (1952); Hoang et al. (2017), Eqs. C.1-C.2. Thread-safe, a work a thread. */
 void haft_chaos_rosenblatt(const haft_chaos *chaos, haft_chaos_work *work, const double *eta,
                            double *xi, double *tail);
 
-/** The inverse, by Halley's iteration on the logarithm of the smaller tail, its bracket made to
- *  halve: d eta = d xi / density, so eta is as good as xi allows.
- *  Between humps so far apart that the CDF is level to round-off, some point of the plain.
+/** The inverse, by Halley's iteration on the logarithm of the smaller tail, with a bracket that
+ *  shrinks: d eta = d xi / density, so eta is as accurate as xi allows. Between modes so far
+ *  apart that the CDF is constant to rounding, any point between them.
  *  @param[in] chaos the model
  *  @param[in,out] work scratch of one thread
  *  @param[in] xi [N_g] conditional CDFs, at least HAFT_CHAOS_LEAST_TAIL
@@ -268,7 +270,7 @@ double haft_chaos_germ_quantile(haft_chaos_germ germ, double xi);
 /** Terms of total order `order` in `directions` variables. */
 size_t haft_chaos_terms(size_t directions, size_t order);
 
-/** Their degrees [terms][directions], rising lexicographically. Thread-safe. */
+/** The degrees [terms][directions] of the terms, in rising lexicographic order. Thread-safe. */
 void haft_chaos_indices(size_t directions, size_t order, unsigned *index);
 
 /** Coefficients of a map known at the tensor Gauss points, by projection:
@@ -289,8 +291,8 @@ haft_status haft_chaos_project(haft_chaos_germ germ, size_t directions, size_t o
 
 /* ---- densities ---- */
 
-/** Gaussian kernels about samples, as a model has them about its centres.
- *  Where `kernel` preserves the variance, centres and bandwidth are shrunk by 1/sqrt(1 + h^2). */
+/** Gaussian kernels around samples, as a model has them around its centres. Where `kernel`
+ *  preserves the variance, centres and bandwidth are shrunk by 1/sqrt(1 + h^2). */
 typedef struct haft_chaos_kernels {
     size_t m;                 /**< kernels */
     const double *centre;     /**< [m][stride], the first number of each row being column 0 */
@@ -322,13 +324,13 @@ haft_status haft_chaos_joint_density(const haft_chaos_kernels *kernels, size_t c
 
 /* ---- errors ---- */
 
-/** How the errors are measured. Zeros: 4096 maps, 65536 samples. */
+/** The effort of measuring errors. Zeros mean 4096 maps and 65536 samples. */
 typedef struct haft_chaos_effort {
     size_t maps;    /**< quasi-random points the map itself is evaluated at */
     size_t samples; /**< quasi-random points the expansion is sampled at */
 } haft_chaos_effort;
 
-/** Distance of a component's marginal from another law. */
+/** Distance of a component's marginal from another distribution. */
 typedef struct haft_chaos_distance {
     double ks;            /**< Kolmogorov-Smirnov, greatest difference of the CDFs */
     double w1;            /**< Wasserstein-1, int |F - G| [standard deviations] */
@@ -336,15 +338,14 @@ typedef struct haft_chaos_distance {
     double high_quantile; /**< difference of the 99.9 % quantiles */
 } haft_chaos_distance;
 
-/** Sorts numbers, as the next function wants them. Thread-safe. */
+/** Sorts numbers in rising order. Thread-safe. */
 void haft_chaos_sort(size_t n, double *x);
 
-/** Distance of the empirical law of sorted samples x from that of sorted samples y, exactly, in
- *  their own unit.
+/** The exact distance between the empirical distributions of sorted samples x and y, in their
+ *  unit.
  *  @param[in] n, m how many, at least 1
  *  @param[in] x [n] rising
- *  @param[in] y [m] rising
- *  Thread-safe. */
+ *  @param[in] y [m] rising Thread-safe. */
 haft_chaos_distance haft_chaos_distance_of_samples(size_t n, const double *x, size_t m,
                                                    const double *y);
 
@@ -363,15 +364,15 @@ typedef struct haft_chaos_errors {
     double outside;   /**< share of sampled vectors without a Morse law; 0 by the strict bounds */
 } haft_chaos_errors;
 
-/** Measures the errors, in parallel; the bits do not depend on the threads. The quasi-random sets
- *  are fixed (additive recurrences: Roberts 2018), so the floors are their discrepancies: about
- *  1e-3 in ks and in w1 with the default effort.
+/** Measures the errors, in parallel; the bits do not depend on the threads. The quasi-random
+ *  sets are fixed (additive recurrences: Roberts 2018). Their discrepancy limits the accuracy to
+ *  about 1e-3 in ks and in w1 with the default effort.
  *  @return HAFT_ERROR_ARGUMENT if an effort is above HAFT_CHAOS_GRID_LIMIT; HAFT_ERROR_MEMORY. */
 haft_status haft_chaos_measure(const haft_chaos *chaos, const haft_chaos_effort *effort,
                                haft_chaos_errors *errors, haft_error *error) HAFT_MUST_CHECK;
 
-/** The inverse Rosenblatt map at the first n quasi-random points, in parallel: once for all the
- *  expansions that are to be held against it.
+/** The inverse Rosenblatt map at the first n quasi-random points, in parallel, for comparing
+ *  several expansions with it.
  *  @param[in] chaos the model
  *  @param[in] n points
  *  @param[out] xi [n][N_g] in the map's order @param[out] eta [n][N_g] by component
@@ -379,10 +380,10 @@ haft_status haft_chaos_measure(const haft_chaos *chaos, const haft_chaos_effort 
 haft_status haft_chaos_map(const haft_chaos *chaos, size_t n, double *xi, double *eta,
                            haft_error *error) HAFT_MUST_CHECK;
 
-/** relMISE of a model's expansion from a map that haft_chaos_map() has evaluated, its own or that
- * of a model of the same vectors, kernels and components, whatever its germ and order. Heavy tails
- * decide it: one vector 15 standard deviations out among 5000 holds 5 % of the variance, and n must
- * be many times the number of vectors to weigh it rightly.
+/** relMISE of a model's expansion against a map from haft_chaos_map(): its own, or that of a
+ *  model of the same vectors, kernels and components with any germ and order. Heavy tails
+ *  dominate it: one of 5000 vectors at 15 standard deviations holds 5 % of the variance. So n
+ *  must be many times the number of vectors.
  *  @param[in] chaos the model
  *  @param[in] n points of the map
  *  @param[in] xi [n][N_g] in the order of its Rosenblatt map

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file solve.h
- *  Quasi-static paths with many instabilities: load to a crack length, unload to nothing; every
- * jump is located, landed by gradient flow and entered in a ledger; every accepted state is stable.
- */
+/** @file solve.h Quasi-static paths with many instabilities: load until the crack has a given
+ *  length, then unload. Every jump is located, followed by gradient flow to where it lands, and
+ *  entered into an energy ledger. Every accepted state is a stable equilibrium. */
 #ifndef HAFT_SOLVE_H
 #define HAFT_SOLVE_H
 
@@ -12,15 +11,15 @@
 extern "C" {
 #endif
 
-/** What the load does. */
+/** The load programme. */
 typedef struct haft_programme {
     double crack_length; /**< load until the crack is as short as this [m] */
     double
         crack_threshold; /**< share of f_max from which attraction counts as felt, 0 < share < 1 */
-    double load_limit;   /**< and no further than this [N]; INFINITY for none */
+    double load_limit;   /**< at most up to this load [N]; INFINITY for no limit */
 } haft_programme;
 
-/** What factors the Hessian. Both give the same states to rounding. */
+/** The solver of the linear systems. All give the same states to rounding. */
 typedef enum haft_linear_solver {
     HAFT_LINEAR_SOLVER_AUTO, /**< KLU behind KINSOL, the band solver for certificates and landings
                               */
@@ -28,12 +27,12 @@ typedef enum haft_linear_solver {
     HAFT_LINEAR_SOLVER_BAND, /**< the band solver everywhere: block L D L' along the beam */
 } haft_linear_solver;
 
-/** How finely the path is followed. Zero in a field asks for its default. */
+/** The accuracy of a path. Zero in a field means its default. */
 typedef struct haft_path_options {
     haft_linear_solver linear_solver; /**< HAFT_LINEAR_SOLVER_AUTO */
-    double gap_step;           /**< largest move of a gap in a step, in ranges of its law; 0.5 */
-    double ledger_tolerance;   /**< what the ledger of energy, work and dissipation may miss at any
-                                    time, relative to all the work done; 1e-10 */
+    double gap_step; /**< largest displacement of a gap in a step, in ranges of its law; 0.5 */
+    double ledger_tolerance; /**< largest error of the ledger of energy, work and dissipation at any
+                                time, relative to all the work done; 1e-10 */
     double residual_tolerance; /**< of the equilibrium, relative to the largest force; 1e-11 */
     double flow_step;          /**< error of a flow step, in ranges of the laws; 0.1 */
     size_t step_limit;         /**< accepted steps and flow steps together; 200000 */
@@ -50,8 +49,8 @@ typedef enum haft_outcome {
     HAFT_OUTCOME_FLOW_STALLED,  /**< a landing did not come to rest */
     HAFT_OUTCOME_STEP_LIMIT,    /**< more steps than allowed */
     HAFT_OUTCOME_NOT_FINITE,    /**< a law gave a value that is not finite */
-    HAFT_OUTCOME_ZONE_LEFT,     /**< a site that was left out came into reach: an active mesh began
-                                     too late, and the exact one is called for */
+    HAFT_OUTCOME_ZONE_LEFT,     /**< a site that was left out came into reach: the zone of an active
+                                   mesh begins too late; the exact mesh is needed */
     HAFT_OUTCOME_NOT_CONVERGED, /**< the corrector did not converge, however short the step */
     HAFT_OUTCOME_BRANCH_LOST,   /**< the corrector ended far from the predictor, however short the
                                      step */
@@ -59,30 +58,29 @@ typedef enum haft_outcome {
     HAFT_OUTCOME_LEDGER_OPEN,   /**< steps miss more energy than the ledger allows */
     HAFT_OUTCOME_FOLD_LOST,     /**< a limit point was passed but could not be located */
     HAFT_OUTCOME_CRACK_UNREACHED, /**< the walls are pressed in deeper than the beam's gap, and the
-                                       crack still is longer than asked for */
+                                     crack is still longer than asked for */
     HAFT_OUTCOMES                 /**< how many there are */
 } haft_outcome;
 
 /** A short name of an outcome ("stuck"), never NULL. */
 const char *haft_outcome_name(haft_outcome outcome);
 
-/** What to do about an outcome that is no answer, as one clause ("ask for a longer crack ..."); an
- *  empty text for HAFT_OUTCOME_STUCK and HAFT_OUTCOME_FREE, never NULL. */
+/** Advice for a failed path, as one clause ("ask for a longer crack ..."); an empty text for
+ *  HAFT_OUTCOME_STUCK and HAFT_OUTCOME_FREE, never NULL. */
 const char *haft_outcome_advice(haft_outcome outcome);
 
-/** Which way a jump went. */
+/** The direction of a jump. */
 typedef enum haft_jump_kind {
     HAFT_JUMP_PULL_IN,  /**< the gaps closed */
     HAFT_JUMP_PULL_OUT, /**< they opened */
 } haft_jump_kind;
 
-/** How a branch ended. */
+/** How a branch ended. A fold is a limit point: the load has an extremum along the branch. */
 typedef enum haft_departure {
     HAFT_DEPARTURE_FOLD,          /**< in a simple fold */
-    HAFT_DEPARTURE_BIFURCATION,   /**< stability was lost though the load did not turn */
+    HAFT_DEPARTURE_BIFURCATION,   /**< stability was lost without a limit point of the load */
     HAFT_DEPARTURE_MULTIPLE_FOLD, /**< several eigenvalues vanished at once */
-    HAFT_DEPARTURE_REST,          /**< it did not begin: the unloaded beam, u = 0, feels its laws so
-                                       much that it is pulled to another place */
+    HAFT_DEPARTURE_REST, /**< there was none: the laws pull the unloaded beam away from u = 0 */
 } haft_departure;
 
 /** One accepted state; energies, work and dissipation are sums from the start [J]. */
@@ -94,11 +92,11 @@ typedef struct haft_path_point {
     double contact_energy;  /**< sum A_r Phi_r(d_r) */
     double work;            /**< of the load */
     double dissipated;      /**< in jumps */
-    double lambda_min;      /**< smallest eigenvalue of H phi = lambda M phi, scaled: > 0; of what
-                                 is not held at the time */
-    double least_pivot;     /**< smallest pivot of the factored Hessian over its largest: > 0 */
-    int phase;              /**< 0 loading, 1 unloading */
-    int jump;               /**< index of the jump that led here, -1 if none */
+    double lambda_min; /**< smallest eigenvalue of H phi = lambda M phi, scaled, of the part that is
+                          not frozen: > 0 */
+    double least_pivot; /**< smallest pivot of the factored Hessian over its largest: > 0 */
+    int phase;          /**< 0 loading, 1 unloading */
+    int jump;           /**< index of the jump that led here, -1 if none */
 } haft_path_point;
 
 /** One jump at constant load. */
@@ -107,20 +105,19 @@ typedef struct haft_jump {
     int phase;                /**< 0 loading, 1 unloading */
     haft_departure departure; /**< how the branch before ended */
     double load;              /**< of the fold [N] */
-    int site;                 /**< the site that moves most in the fold's null vector; of the one at
-                                   rest, by the forces there */
-    int sites_switched;       /**< sites that came into or went out of reach */
-    double crack_before;      /**< crack length at the fold [m] */
-    double crack_after;       /**< and at the landing [m] */
-    double dissipated;        /**< fall of Pi at the fold's load [J], > 0 */
-    double internal_before;   /**< strain energy at the fold [J] */
-    double internal_after;    /**< and at the landing [J] */
-    int flow_steps;           /**< of the landing */
+    int site; /**< the site that moves most in the fold's null vector; at rest, by the forces */
+    int sites_switched;     /**< sites that came into or went out of reach */
+    double crack_before;    /**< crack length at the fold [m] */
+    double crack_after;     /**< and at the landing [m] */
+    double dissipated;      /**< decrease of Pi at the fold's load [J], > 0 */
+    double internal_before; /**< strain energy at the fold [J] */
+    double internal_after;  /**< and at the landing [J] */
+    int flow_steps;         /**< of the landing */
     double fold_defect; /**< |dP/dtau| left at the located fold, relative to the branch's own; 0 at
  other departures */
 } haft_jump;
 
-/** Work done by the solver, for reports of cost. */
+/** Counts of the solver's work. */
 typedef struct haft_path_cost {
     size_t steps;             /**< accepted */
     size_t rejected;          /**< steps tried and halved */
@@ -129,12 +126,11 @@ typedef struct haft_path_cost {
     size_t solves;            /**< with a factored Hessian */
     size_t folds;             /**< located */
     size_t flow_steps;        /**< of all landings */
-    size_t unknowns;          /**< of the factorizations together: on the shorter ones of an active
-                                   mesh, and where a part is held, they have fewer than the model.
-                                   Not kept in files */
+    size_t unknowns; /**< summed over the factorizations, which have fewer than the model on shorter
+                        meshes and while a part is frozen. Not kept in files */
 } haft_path_cost;
 
-/** A path, grown by haft_solve_path() and owned by the caller. */
+/** A path, made by haft_solve_path() and owned by the caller. */
 typedef struct haft_path {
     size_t points;          /**< accepted states */
     size_t jumps;           /**< between them */
@@ -148,23 +144,24 @@ typedef struct haft_path {
     double ledger_error;    /**< greatest |work - energy - dissipated| over the path, divided by the
                                  total |work| or, where that is more, by 1e-6 of the greatest
                                  |strain energy| + |contact energy| */
-    double end_influence;   /**< of the free end of a stuck beam on its crack's tip: the tip's share
-                               of the deflection that a force at the end makes, |w_tip / w_end|.
-                               Small: the beam is long enough, more of it would change nothing. 0 of a
-                                 beam let go and of a structure that is no beam, NaN if not solved */
-    haft_path_cost cost;    /**< what it took */
-    size_t point_capacity;  /**< room in `point` */
-    size_t jump_capacity;   /**< room in `jump` */
+    double end_influence; /**< of the free end of a stuck beam on its crack's tip: the deflection at
+                             the tip over that at the end, |w_tip / w_end|, due to a force at the
+                             end. If it is small, a longer beam would give the same result. 0 for a
+                             free beam and for a structure that is no beam, NaN if not solved */
+    haft_path_cost cost;  /**< its cost */
+    size_t point_capacity; /**< room in `point` */
+    size_t jump_capacity;  /**< room in `jump` */
 } haft_path;
 
-/** Follows the programme. Not converging is an outcome, not an error: what was followed so far is
- *  in the path. A beam that feels its laws at rest begins where the gradient flow from u = 0 leads:
- *  if it is far, that is the path's first jump, and its first point is the landing.
+/** Follows the load programme. A failure to converge is an outcome, not an error: the path holds
+ *  what was followed so far. If the laws act on the beam at rest, the path begins where the
+ *  gradient flow from u = 0 leads. If that is far, it is the path's first jump, and the first
+ *  point is its landing.
  *  @param[out] out the path; NULL after a failure
  *  @param[in] model the structure
  *  @param[in] laws one a site of the model
- *  @param[in] programme of the load; its crack_length may be 0 or less, which no crack reaches, if
- *  its load_limit is finite
+ *  @param[in] programme of the load; its crack_length may be 0 or less, which no crack reaches,
+ *  if its load_limit is finite
  *  @param[in] options how finely; NULL: all defaults
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_ARGUMENT or HAFT_ERROR_LIBRARY. Thread-safe. */
@@ -175,7 +172,7 @@ haft_status haft_solve_path(haft_path **out, const haft_model *model, const haft
 /** Frees a path and sets the pointer to NULL; NULL is allowed. */
 void haft_path_destroy(haft_path **path);
 
-/** What a path comes to; one row of the /summary of results.h5. */
+/** The summary of a path; a row of /summary in results.h5. */
 typedef struct haft_summary {
     double crack_length;        /**< after unloading [m]; the beam's length if free */
     double loaded_crack_length; /**< where the loading ends [m] */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Germs, their orthonormal polynomials and Gauss rules, multi-indices and projection.
  *
- * A rule's nodes are the zeros of psi_n: psi_0 .. psi_n is a Sturm sequence, whose changes of sign
- * count the zeros above a point, so bisection parts them and Newton's iteration finds each; a
- * weight is 1 / sum of psi_k^2 over k < n. All to round-off up to the limit of 128 points. */
+ * The nodes of a rule are the zeros of psi_n. psi_0 .. psi_n is a Sturm sequence: its changes of
+ * sign count the zeros above a point. Bisection isolates each zero and Newton's iteration finds
+ * it. A weight is 1 / sum of psi_k^2 over k < n. Accurate to rounding up to the limit of 128
+ * points. */
 #include "chaos/basis.h"
 
 #include <math.h>
@@ -54,7 +55,7 @@ static size_t count_zeros_below(const chaos_recurrence *r, size_t n, double x) {
     return below;
 }
 
-/* Narrows low .. high to the zero number i of psi_n alone. */
+/* Narrows low .. high until it contains only zero i of psi_n. */
 static void part_zero(const chaos_recurrence *r, size_t n, size_t i, double *low, double *high) {
     size_t below_low = 0, below_high = n;
     while (below_low != i || below_high != i + 1) {
@@ -75,7 +76,7 @@ typedef struct polynomial {
     size_t n;
 } polynomial;
 
-/* psi_n, and its derivative by the recurrence's own derivative. */
+/* psi_n, and its derivative by the differentiated recurrence. */
 static double evaluate(const void *data, double x, double *slope) {
     const polynomial *p = data;
     const chaos_recurrence *r = p->r;
@@ -173,7 +174,7 @@ void haft_chaos_indices(size_t directions, size_t order, unsigned *index) {
             sum += now[i];
         }
         size_t last = directions - 1;
-        while (sum == order) { /* no room: clear from the right until there is */
+        while (sum == order) { /* the order is exceeded: clear from the right until it is not */
             sum -= now[last];
             now[last--] = 0;
         }
@@ -181,7 +182,7 @@ void haft_chaos_indices(size_t directions, size_t order, unsigned *index) {
     }
 }
 
-/* Contracts direction r (0 .. r still in points, the others in degrees already):
+/* Contracts direction r (directions 0 .. r are still points, the others already degrees):
  * to[outer][degree][inner] = sum over k of rule[degree][k] from[outer][k][inner]. */
 static void contract(size_t outer, size_t points, size_t inner, size_t order, const double *rule,
                      const double *restrict from, double *restrict to) {

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Densities of Gaussian kernels, summed directly: m terms a point of a line; on a plane the kernels
- * are products, so that the exponentials of a grid are those of its two sides. Kernels further than
- * REACH bandwidths are taken for 0, which changes a density by 1e-20 of a kernel's peak. */
+/* Densities of Gaussian kernels by direct sums of m terms per point. In two dimensions the
+ * kernels are products, so a grid needs only the exponentials along its two sides. Kernels
+ * further away than REACH bandwidths count as 0, which changes a density by 1e-20 of a kernel's
+ * peak. */
 #include "haft/chaos.h"
 
 #include <math.h>
 
 #define REACH 9.6
 
-/* What centres and bandwidth are multiplied by. */
+/* The factor of centres and bandwidth. */
 static double shrinking(const haft_chaos_kernels *k) {
     return k->kernel == HAFT_CHAOS_KERNEL_PRESERVING ? 1 / sqrt(1 + k->bandwidth * k->bandwidth)
                                                      : 1;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expansion, eight germs at a time: nested sums in the order the terms are kept, each partial
- * sum of the last variable multiplied once by the polynomial before it. Coordinate i of the map
- * hangs on i + 1 variables alone, so that of three coordinates two are nearly free. A germ alone
- * takes a lane of its own and gives the same bits. */
+/* The expansion at HAFT_SIMD_WIDTH germs at a time: nested sums in the order in which the terms
+ * are stored, where each partial sum over the last variable is multiplied once by the polynomial
+ * of the variable before. Coordinate i of the map depends on only i + 1 variables, so two of
+ * three coordinates cost almost nothing. A single germ gives the same bits. */
 #include <string.h>
 
 #include "chaos/model.h"
@@ -23,7 +23,7 @@ HAFT_INLINE const double *sum_1(const double *c, const table *psi, size_t order,
     return c + order + 1;
 }
 
-/* One more variable in front of those of `inner`. */
+/* Adds one variable before those of `inner`. */
 #define NEST(name, inner)                                                                          \
     HAFT_INLINE const double *name(const double *c, const table *psi, size_t order,                \
                                    together out) {                                                 \

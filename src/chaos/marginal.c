@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Distances between one-dimensional laws. A mixture's CDF is tabulated at 2048 points over all
- * samples and kernels and interpolated by the cubic of its values and densities: 1e-8 where a step
- * is a fifteenth of the bandwidth. */
+/* Distances between one-dimensional distributions. A mixture's CDF is tabulated at 2048 points
+ * over all samples and kernels and interpolated by the cubic of its values and densities: 1e-8
+ * where a step is a fifteenth of the bandwidth. */
 #include "chaos/marginal.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 enum { NODES = 2048 };
 
 #define LOW_TAIL 0.001
-/* Kernels end here, in bandwidths, as far as a distance can tell. */
+/* Kernels are cut off here, in bandwidths; a distance does not notice. */
 #define KERNEL_REACH 8.0
 
 static int compare(const void *a, const void *b) {
@@ -22,7 +22,7 @@ void haft_chaos_sort(size_t n, double *x) {
     qsort(x, n, sizeof *x, compare);
 }
 
-/* Between the order statistics, linearly. */
+/* Linear between the order statistics. */
 static double sample_quantile(size_t n, const double *x, double p) {
     double at = p * (double)(n - 1);
     size_t k = (size_t)at;

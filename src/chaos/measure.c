@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far the expansion is from the map it stands for: mean square errors by the projection's own
- * rule and by an independent one, variance against the closed form, marginals against the kernel
- * density and the data. Quasi-random points throughout, so that what is measured is no noise; each
- * result is summed in one order, whatever the threads. */
+/* Errors of the expansion against its map: mean square errors by the projection's own rule and
+ * by an independent one, the variance against its closed form, marginals against the kernel
+ * density and the data. All points are quasi-random, so the results carry little sampling noise.
+ * Each result is summed in one fixed order, whatever the number of threads. */
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ static double point_of(const recurrence *r, size_t k, size_t i) {
     return fmax(1e-12, fmin(1 - 1e-12, u));
 }
 
-/* Squares summed: of the difference and of the map. */
+/* Sums of squares of the difference and of the map. */
 typedef struct squares {
     double error[N], size[N];
 } squares;
@@ -53,7 +53,7 @@ static void set_relmise(const haft_chaos *chaos, const squares *s, double *each,
     *total = error / size;
 }
 
-/* Coordinate i over its own tensor grid. */
+/* Coordinate i on its own tensor grid. */
 static void sum_level(const haft_chaos *chaos, const double *x, const double *weight,
                       const double *value, size_t i, squares *s) {
     size_t points = chaos->parts.points, size = haft_chaos_grid_size(points, i);

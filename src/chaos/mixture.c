@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Conditional laws of a Gaussian mixture. Given the coordinates before, a coordinate's law is again
- * a mixture, each centre weighing as the kernels of those coordinates: kept as logarithms until the
- * greatest is known, so that far from all data the nearest centre takes all. Centres that weigh
- * less than m^-1 e^-75 of the greatest are dropped; together they hold less than e^-75 = 3e-33 of
- * the law. */
+/* Conditional distributions of a Gaussian mixture. Given the earlier coordinates, a coordinate
+ * is again distributed as a mixture, in which each centre is weighted by the kernels of those
+ * coordinates. Weights are kept as logarithms until the greatest is known, so that far from all
+ * data the nearest centre gets the whole weight. Centres with less than m^-1 e^-75 of the
+ * greatest weight are dropped; together they hold less than e^-75 = 3e-33 of the probability. */
 #include "chaos/mixture.h"
 #include "chaos/model.h"
 
@@ -14,7 +14,7 @@
 
 #define NEGLIGIBLE 75.0
 
-/* Below this many centres gathering them in bins saves nothing. */
+/* With fewer centres than this, bins save nothing. */
 enum { FEW = 256 };
 
 static void fill_bins(chaos_axis *axis, size_t m, double h) {
@@ -45,8 +45,8 @@ static inline void put(const chaos_axis *axis, chaos_bins *bins, size_t b, doubl
     bins->second[b] += weight * d * d;
 }
 
-/* A bin's two points stand a standard deviation to either side of its mean; the empty are left out.
- */
+/* Represents a bin by two points, one standard deviation to either side of its mean; empty bins
+ * are left out. */
 static void close_bins(const chaos_axis *axis, const chaos_bins *bins, chaos_rough *rough) {
     size_t n = 0;
     for (size_t b = 0; b < axis->bins; b++) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Gaussian kernels of one bandwidth about m centres, and their conditional laws one coordinate at a
- * time (private to the room). Coordinates are in the order of the Rosenblatt map. */
+/* Gaussian kernels of one bandwidth around m centres, and their conditional distributions, one
+ * coordinate at a time (private to the room). Coordinates are in the order of the Rosenblatt
+ * map. */
 #ifndef HAFT_CHAOS_MIXTURE_H
 #define HAFT_CHAOS_MIXTURE_H
 
@@ -10,8 +11,8 @@
 
 enum { CHAOS_BIN_LIMIT = 256 };
 
-/* One coordinate of the centres. Bins of a quarter of the bandwidth (wider if they would be too
- * many) stand in for the centres where a first guess is wanted. */
+/* One coordinate of the centres. Bins of a quarter of the bandwidth (wider if there would be too
+ * many) replace the centres for a first guess. */
 typedef struct chaos_axis {
     double *centre; /* [padded m] */
     uint16_t *bin;  /* [padded m] */
@@ -19,7 +20,7 @@ typedef struct chaos_axis {
     double low, width; /* bin b begins at low + b width */
 } chaos_axis;
 
-/* What lies in each bin: weight, and first and second moment about the bin's beginning. */
+/* The contents of each bin: weight, and first and second moment about the bin's beginning. */
 typedef struct chaos_bins {
     double weight[CHAOS_BIN_LIMIT], first[CHAOS_BIN_LIMIT], second[CHAOS_BIN_LIMIT];
 } chaos_bins;
@@ -40,7 +41,7 @@ typedef struct chaos_line {
     const chaos_rough *rough;
 } chaos_line;
 
-/* Arrays for one conditional law. */
+/* Arrays for one conditional distribution. */
 struct haft_chaos_work {
     double *exponent, *centre, *weight; /* [padded m] */
     uint32_t *chosen;                   /* [padded m] */
@@ -64,7 +65,8 @@ haft_status haft_chaos_mixture_init(chaos_mixture *out, size_t m, size_t directi
                                     double h, haft_error *error) HAFT_MUST_CHECK;
 void haft_chaos_mixture_clear(chaos_mixture *mixture);
 
-/* The law of coordinate i given x[0 .. i - 1], in the work's arrays until its next use. */
+/* The distribution of coordinate i given x[0 .. i - 1]; it is kept in the arrays of `work` until
+ * their next use. */
 chaos_line haft_chaos_mixture_condition(const chaos_mixture *mixture, haft_chaos_work *work,
                                         size_t i, const double *x);
 
@@ -74,7 +76,7 @@ void haft_chaos_line_cdf(const chaos_line *line, double x, double *p, double *q)
 /* CDF at x, to round-off of 1, and density. */
 double haft_chaos_line_value(const chaos_line *line, double x, double *density);
 
-/* Where the CDF is p and its complement q; the smaller of the two counts. */
+/* The point at which the CDF is p and its complement q; the smaller of the two is used. */
 double haft_chaos_line_quantile(const chaos_line *line, double p, double q);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The model's memory, and identifying it: bounds, principal components, kernels, projection. */
+/* The model's memory and its identification: bounds, principal components, kernels, projection. */
 #include "chaos/model.h"
 
 #include <math.h>
@@ -216,7 +216,7 @@ static haft_status choose_components(const haft_chaos_spec *spec, haft_chaos_par
     return HAFT_OK;
 }
 
-/* Coordinate i's terms to their places among all: those without a later variable. */
+/* Writes the terms of coordinate i, those without a later variable, to their places among all. */
 static void spread(haft_chaos *c, size_t i) {
     size_t g = c->parts.components, next = 0;
     for (size_t t = 0; t < c->parts.terms; t++) {

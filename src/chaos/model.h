@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a model holds (private to the room). */
+/* The contents of a model (private to the room). */
 #ifndef HAFT_CHAOS_MODEL_H
 #define HAFT_CHAOS_MODEL_H
 
@@ -14,19 +14,19 @@ struct haft_chaos {
     unsigned *index;
     chaos_mixture mixture;
     chaos_recurrence recurrence;
-    /* Coefficients of coordinate i of the map, which hangs on the first i + 1 germ variables alone:
-     * its terms in those, rising lexicographically. */
+    /* Coefficients of coordinate i of the map, which depends on only the first i + 1 germ
+     * variables: its terms in those, in rising lexicographic order. */
     double *compact[HAFT_CHAOS_DIMENSION];
 };
 
-/* The numbers q holds before they are divided by sigma; NaN where the vector breaks the bounds. */
+/* The numbers of q before division by sigma; NaN where the vector breaks the bounds. */
 void haft_chaos_raw_from_vector(haft_chaos_bounds bounds, double f_limit,
                                 const haft_law_vector *vector, double *raw);
 
 /* f_max / (2 a_left): the energy of a Morse law's left wing. */
 double haft_chaos_left_energy(const haft_law_vector *vector, double f_limit);
 
-/* A model with room for its arrays, the scalars of `parts` copied, centres and all else zero. */
+/* Creates a model with room for its arrays; copies the scalars of `parts`, all else is zero. */
 haft_status haft_chaos_alloc(haft_chaos **out, const haft_chaos_parts *parts,
                              haft_error *error) HAFT_MUST_CHECK;
 
@@ -36,10 +36,10 @@ haft_status haft_chaos_place_kernels(haft_chaos *chaos, haft_error *error) HAFT_
 /* Mean, covariance and principal components of q [m][4] into parts. */
 void haft_chaos_principal(size_t m, const double *q, haft_chaos_parts *parts);
 
-/* Components of which the covariance has a share above round-off. */
+/* The number of components whose share of the covariance is above rounding. */
 size_t haft_chaos_rank(const haft_chaos_parts *parts);
 
-/* One work for each thread there may be. */
+/* A work for each thread. */
 typedef struct chaos_workspaces {
     int threads;
     haft_chaos_work **work;

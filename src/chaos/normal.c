@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normal distribution functions in passes that compilers vectorise: no branch, one exponential and
- * one division each, which also give the density.
+/* Normal distribution functions in loops that compilers vectorise: no branch, and one
+ * exponential and one division each, which also give the density.
  *
- * Phi(-a) = exp(-a^2/2) R(a); (a + 5.5) R(a) is a polynomial of degree 20 in 1/(a + 5.5) on
- * 0 <= a <= 39, interpolated in Chebyshev points to 6e-16 of itself in the far tail and 1e-16 near
- * the middle (the substitution is Schonfelder's, 1978). exp(x) = 2^n exp(r), a polynomial of degree
- * 11 in r to 3e-18. Coefficients were computed with 50 digits. No fused multiply-adds: the wide
- * version does the same operations and so gives the same bits. */
+ * Phi(-a) = exp(-a^2/2) R(a); (a + 5.5) R(a) is a polynomial of degree 20 in 1/(a + 5.5) on 0 <=
+ * a <= 39, interpolated in Chebyshev points to 6e-16 of itself in the far tail and 1e-16 near
+ * the middle (the substitution is Schonfelder's, 1978). exp(x) = 2^n exp(r), a polynomial of
+ * degree 11 in r to 3e-18. Coefficients were computed with 50 digits. Without fused
+ * multiply-adds, vectors of any width give the same bits. */
 #include "chaos/normal.h"
 
 #include "haft/base.h"
@@ -41,8 +41,8 @@ HAFT_INLINE double exponential(double x) {
     return y;
 }
 
-/* (a + 5.5) R(a) at i = 1/(a + 5.5). Even and odd powers apart: two chains keep the machine busier
- * than one. */
+/* (a + 5.5) R(a) at i = 1/(a + 5.5). Even and odd powers are summed apart, because two
+ * independent chains run in parallel. */
 HAFT_INLINE double scaled_tail(double i) {
     double s = 1.2820512820512820513 - 12.551282051282051282 * i, t = s * s;
     double even =
@@ -99,7 +99,8 @@ HAFT_CLONES static chaos_sums sum_normals(size_t n, const double *restrict c,
             t[k] = (x - centre[k]) * scale;
             a[k] = clamp(t[k]);
         }
-        for (size_t k = 0; k < count; k++) { /* apart, or GCC makes the clamp a branch */
+        for (size_t k = 0; k < count;
+             k++) { /* a loop of its own, otherwise GCC makes the clamp a branch */
             p[k] = distribution(t[k], a[k], &e[k]);
         }
         for (size_t k = 0; k < count; k += HAFT_SIMD_WIDTH) {

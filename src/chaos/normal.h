@@ -5,7 +5,7 @@
 
 #include "haft/base.h"
 
-/* n rounded up to whole groups of lanes. */
+/* n rounded up to a multiple of the SIMD width. */
 static inline size_t chaos_padded(size_t n) {
     return (n + HAFT_SIMD_WIDTH - 1) / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH;
 }
@@ -17,8 +17,8 @@ typedef struct chaos_sums {
 } chaos_sums;
 
 /* The sums at t = (x - c) * scale. n is a multiple of HAFT_SIMD_WIDTH: pad with w = 0 and any
- * finite c. Each Phi(t) to about 1e-15 (1 + t^2) of itself; below -37.5 it stays what it is there,
- * 5e-308. */
+ * finite c. The relative error of Phi(t) is about 1e-15 (1 + t^2); below -37.5 it keeps its
+ * value there, 5e-308. */
 chaos_sums haft_chaos_normal_sums(size_t n, const double *c, const double *w, double x,
                                   double scale);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A model of its parts: every number is checked, since they come from a file. What is derived
- * (kernels' places, terms by coordinate) is made again by the same operations, so the model is the
- * same to the bit. */
+/* Creates a model from its parts. Every number is checked, because the parts come from a file.
+ * Derived data (the kernels' places, terms by coordinate) are computed again by the same
+ * operations, so the model has the same bits. */
 #include <math.h>
 #include <string.h>
 
@@ -94,7 +94,7 @@ static haft_status check_scalars(const haft_chaos_parts *p, haft_error *error) {
     return status;
 }
 
-/* Columns of unit length at right angles. */
+/* Whether the columns are orthonormal. */
 static haft_status check_eigenvectors(const haft_chaos_parts *p, haft_error *error) {
     for (int a = 0; a < N; a++) {
         for (int b = 0; b <= a; b++) {
@@ -135,7 +135,7 @@ static haft_status check_data(const haft_chaos_parts *p, haft_error *error) {
     return HAFT_OK;
 }
 
-/* The expansion's shape is the model's own; `chaos` has the indices it must have. */
+/* The expansion must have the model's shape; `chaos` has the indices it must have. */
 static haft_status check_expansion(const haft_chaos *chaos, const haft_chaos_parts *p,
                                    haft_error *error) {
     size_t g = p->components;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Principal components of q by Jacobi's rotations, which find small eigenvalues of a 4 x 4 matrix
- * to full relative accuracy and the same on every machine. An eigenvector's sign is such that its
- * greatest part (the first of equals, to a millionth) is positive. */
+/* Principal components of q by Jacobi rotations, which give small eigenvalues of a 4 x 4 matrix
+ * full relative accuracy, and the same bits on every machine. The sign of an eigenvector makes
+ * its largest component positive (the first one, of those equal to a millionth). */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 
 enum { N = HAFT_CHAOS_DIMENSION, SWEEPS = 60 };
 
-/* Share of the greatest eigenvalue that an eigenvalue must have not to be round-off. */
+/* An eigenvalue below this share of the greatest is rounding. */
 #define RANK_SHARE 1e-12
 
 static void rotate(double c[N][N], double v[N][N], int p, int q) {
@@ -56,7 +56,8 @@ static void diagonalise(double c[N][N], double v[N][N]) {
     }
 }
 
-/* The column in `from` with the greatest eigenvalue not taken yet, its sign settled. */
+/* Takes the column of `from` with the greatest eigenvalue that is not taken yet, and sets its
+ * sign. */
 static void take_greatest(double c[N][N], double v[N][N], bool taken[N], haft_chaos_parts *parts,
                           int to) {
     int best = -1;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* CDF and quantile of a line of normals of one bandwidth.
  *
- * The quantile is the root of g = ln(P / p), P the CDF or its complement, whichever is asked to be
- * at most 1/2: sums of positive terms alone, right to round-off in either tail, and nearly straight
- * there. Halley's iteration needs no more than the densities the CDF comes with. It starts from the
- * same root for the centres gathered in bins, a tenth of the work at most and good to about 1e-5 h,
- * so that one evaluation does, or two. Where it wanders (a conditional with several humps), every
- * second evaluation must halve the bracket, by bisection if need be; the bracket is exact: a
- * quantile lies between those of the outermost kernels. */
+ * The quantile is the root of g = ln(P / p), where P is the CDF or its complement, whichever is
+ * to be at most 1/2. Both are sums of positive terms, accurate to rounding in either tail, and g
+ * is nearly linear there. Halley's iteration needs only the densities that come with the CDF. It
+ * starts from the same root for the centres gathered in bins, which costs at most a tenth and is
+ * good to about 1e-5 h, so that one or two evaluations are enough. For a distribution with
+ * several modes, every second evaluation must halve the bracket, by bisection if necessary. The
+ * initial bracket is exact: a quantile lies between those of the outermost kernels. This
+ * iteration is faster than haft_root_find(). */
 #include <math.h>
 
 #include "chaos/mixture.h"
@@ -15,8 +16,7 @@
 
 enum { EVALUATIONS = 400, FREE = 4 };
 
-/* Errors, in h, that the last step may leave: round-off, and what the guess from bins is good to.
- */
+/* Errors in units of h that the last step may leave: of the result, and of the guess from bins. */
 #define FINE 1e-15
 #define ROUGH 1e-8
 #define LAST_BITS 4.5e-16
@@ -32,7 +32,7 @@ typedef struct root {
 
 typedef struct step {
     double length;    /* in h */
-    double curvature; /* share by which Halley's step differs from Newton's */
+    double curvature; /* relative difference of Halley's step from Newton's */
     double miss;
 } step;
 
@@ -58,9 +58,9 @@ static void solve(root *r, double tolerance) {
         }
         double last = r->x, next = last + r->side * r->h * s.length;
         width[k] = r->high - r->low;
-        /* False for NaN; a strongly curved step is that of a plain between humps. */
+        /* False for NaN. A strongly curved step comes from the flat part between two modes. */
         bool good = next >= r->low && next <= r->high && fabs(s.curvature) <= STRONG;
-        /* the next step, Halley's being of third order */
+        /* the next step, because Halley's method is of third order */
         double left = fabs(s.length) * (s.length * s.length + s.curvature * s.curvature);
         if (good && left <= tolerance) {
             r->x = next;
@@ -87,7 +87,7 @@ double haft_chaos_line_quantile(const chaos_line *line, double p, double q) {
               .target = tail * line->total,
               .side = lower ? 1 : -1};
     double shift = r.side * z * line->h;
-    /* Widened by roundings of the quantile and of the sums. */
+    /* Widened by the rounding of the quantile and of the sums. */
     double slack = 1e-13 * (fabs(shift) + fabs(line->low) + fabs(line->high)) + 1e-13 * line->h;
     r.low = line->low + shift - slack;
     r.high = line->high + shift + slack;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Rosenblatt map of the kernel density and its inverse, at one point and over a tensor grid,
- * where all points that agree in their first coordinates share one conditional law. */
+ * where all points with the same first coordinates share one conditional distribution. */
 #include <math.h>
 #include <omp.h>
 

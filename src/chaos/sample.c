@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The samplers behind one interface. Four words a draw and four components at most, so draw 0 holds
- * a whole germ: gpce and exact read the same one, and their difference is the truncation alone. */
+/* The samplers. A draw has four words and a germ at most four components, so draw 0 contains a
+ * whole germ. The samplers gpce and exact read the same germ: their difference is only the
+ * truncation. */
 #include <math.h>
 
 #include "chaos/model.h"

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From law vectors to unbounded numbers and back, and the principal components' part of it; names.
+/* From law vectors to unbounded numbers and back, by way of the principal components; names.
  *
- * The strict bounds put ln(e - f_max/(2 a_left)) in the place of ln e: the right wing's energy,
- * which any real number gives a positive value. Adding the left wing's must not round it away. */
+ * The strict bounds replace ln e by ln(e - f_max/(2 a_left)), the logarithm of the right wing's
+ * energy: any real number then gives a positive energy. Adding the left wing's energy must not
+ * round it away. */
 #include <math.h>
 
 #include "chaos/model.h"
 
-/* Logarithms are kept within this: 1e-100 to 1e100 in SI units. */
+/* Bound of the logarithms: 1e-100 to 1e100 in SI units. */
 #define LOG_LIMIT 230.0
 
 double haft_chaos_left_energy(const haft_law_vector *v, double f_limit) {
