@@ -10,8 +10,8 @@
 extern "C" {
 #endif
 
-/** Draws n vectors, those of sites 0 .. n - 1 of realization 0, by the case's sampler and writes
- *  them as CSV. @return HAFT_ERROR_INPUT if the case's sampler is no stochastic one. */
+/** Draws the vectors of sites 0 .. n - 1 of realization 0 by the case's sampler, and writes them
+ *  as CSV. @return HAFT_ERROR_INPUT if the case's sampler is not stochastic. */
 haft_status haft_study_write_sample(const haft_laws *laws, const haft_case *c, size_t n,
                                     const char *path, haft_error *error) HAFT_MUST_CHECK;
 
@@ -28,12 +28,12 @@ haft_status haft_study_write_model_figures(const haft_case *c, const haft_laws *
                                            const char *directory,
                                            haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes it for up to 20 patches as correlation.csv, with intervals by Student's t over the
- *  realizations (Fig. 15 of Hoang et al.). */
+/** Writes the correlation over up to 20 patches as correlation.csv, with intervals by Student's
+ *  t over the realizations (Fig. 15 of Hoang et al.). */
 haft_status haft_study_write_correlation(const haft_case *c, const haft_laws *laws,
                                          const char *directory, haft_error *error) HAFT_MUST_CHECK;
 
-/** One variant of a sweep, run. */
+/** One variant of a sweep with its results. */
 typedef struct haft_variant {
     const haft_case *c;         /**< the variant */
     haft_statistics statistics; /**< of its beams */
@@ -48,16 +48,16 @@ haft_status haft_study_write_sweep(const haft_variant *variant, size_t variants,
 haft_status haft_study_write_water(const haft_case *c, const char *directory,
                                    haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes what a case's surfaces look like (Figs. 3 and 11 of Hoang et al., 2017): surface.csv,
- *  heights of a square piece of the first one; psd.csv, the radial PSD asked for; and rings.csv,
- * that of a piece of 6 um (of maps: of a patch) by the beam's width, at most 4096 points a side,
- * windowed by sin^2, with its standard error over its own value and the PSD asked for there. A
- * piece of fewer than 16 waves' halves a side has no rings: one row of NaN.
+/** Writes data of a case's surfaces (Figs. 3 and 11 of Hoang et al., 2017): surface.csv, heights
+ *  of a square piece of the first one; psd.csv, the radial PSD asked for; and rings.csv, that of
+ *  a piece of 6 um (of maps: of a patch) by the beam's width, at most 4096 points a side,
+ *  windowed by sin^2, with its standard error over its own value and the PSD asked for there. A
+ *  piece with fewer than 16 half waves per side has no rings: one row of NaN.
  *  @param[in] c the case, its files read
  *  @param[in] directory they are written into; must exist
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_IO, or what making the surface failed with.
- *  Not thread-safe (FFTW planner). */
+ *  @return HAFT_OK, HAFT_ERROR_MEMORY, HAFT_ERROR_IO, or the failure of making the surface. Not
+ *  thread-safe (FFTW planner). */
 haft_status haft_study_write_surface(const haft_case *c, const char *directory,
                                      haft_error *error) HAFT_MUST_CHECK;
 
@@ -70,13 +70,13 @@ haft_status haft_study_write_summary(const haft_summary *summary, size_t n, cons
 haft_status haft_study_write_convergence(const haft_case *c, const haft_summary *summary, size_t n,
                                          const char *path, haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes laws.csv, one row a law: its vector, its fault (a haft_law_fault) and what its patch
- * looks like where the force vanishes. */
+/** Writes laws.csv, one row per law: its vector, its fault (a haft_law_fault), and contact area
+ *  and asperities of its patch at zero force. */
 haft_status haft_study_write_laws(const haft_laws *laws, const char *path,
                                   haft_error *error) HAFT_MUST_CHECK;
 
-/** The beam's shapes at the accepted states of a realization's path: its evidence, or of following
- * it again where it left none. Thread-safe but for HDF5, see haft/io.h. */
+/** The beam's shapes at the accepted states of a realization's path: from its evidence, or from
+ *  following it again if there is none. Thread-safe except for HDF5, see haft/io.h. */
 haft_status haft_study_shapes(haft_results_shapes **out, const haft_case *c, const haft_laws *laws,
                               const char *results_path, size_t realization,
                               haft_error *error) HAFT_MUST_CHECK;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file study_report.h
- *  What is said of finished runs: two of them beside each other, what one rests on, and what its
- *  mean owes to each approximation. */
+/** @file study_report.h Reports on finished runs: comparison of two runs, the assumptions behind
+ *  a run, and the error of its mean due to each approximation. */
 #ifndef HAFT_STUDY_REPORT_H
 #define HAFT_STUDY_REPORT_H
 
@@ -23,9 +22,9 @@ extern "C" {
 haft_interval haft_study_difference_interval(const double mean[2], const double deviation[2],
                                              const size_t n[2], double confidence);
 
-/** Crack lengths of a second set of beams against those of a first. Differences are second less
- *  first, and of the beams that stuck; free beams count in the shares and, as longer than any
- *  other, in the test of the two distributions. */
+/** Crack lengths of a second set of beams compared with those of a first. Differences are second
+ *  minus first, over the beams that stuck. Free beams count in the shares, and in the test of
+ *  the two distributions as longer than any other. */
 typedef struct haft_difference {
     double confidence;                 /**< of the intervals */
     double difference;                 /**< of the means [m] */
@@ -33,28 +32,27 @@ typedef struct haft_difference {
     haft_interval difference_interval; /**< Welch: takes the two sets as independent */
     double
         distance; /**< greatest distance of the two empirical distributions (Kolmogorov-Smirnov) */
-    double p_value;               /**< of a distance as great if both were of one distribution */
-    double deviation_shift;       /**< of the standard deviations [m] */
-    double deviation_error;       /**< its standard error from fourth moments, for any law [m] */
-    double w1;                    /**< Wasserstein-1 distance of those that stuck [m] */
-    double w1_error;              /**< its standard error by the bootstrap [m] */
-    double w1_by_chance;          /**< what it would be on average if both were of one law, by
-                                       permutation [m] */
+    double p_value;         /**< of at least this distance if both have one distribution */
+    double deviation_shift; /**< of the standard deviations [m] */
+    double deviation_error; /**< its standard error from fourth moments, for any distribution [m] */
+    double w1;              /**< Wasserstein-1 distance of those that stuck [m] */
+    double w1_error;        /**< its standard error by the bootstrap [m] */
+    double w1_by_chance;    /**< its mean if both had one distribution, by permutation [m] */
     double share_difference;      /**< of the shares that stuck */
     haft_interval share_interval; /**< from the two Clopper-Pearson intervals by Newcombe's (1998)
                                      square-and-add rule */
-    bool paired;     /**< both have the seed in common: beam k of one is beam k of the other */
-    size_t pairs;    /**< k stuck in both */
-    size_t switched; /**< k stuck in one and free in the other */
-    double pair_difference;      /**< mean over the pairs [m] */
-    double pair_deviation;       /**< standard deviation of the differences [m] */
+    bool paired;            /**< both have the same seed: beam k of one is beam k of the other */
+    size_t pairs;           /**< k stuck in both */
+    size_t switched;        /**< k stuck in one and free in the other */
+    double pair_difference; /**< mean over the pairs [m] */
+    double pair_deviation;  /**< standard deviation of the differences [m] */
     haft_interval pair_interval; /**< Student [m] */
-    double correlation;          /**< of the pairs' crack lengths; what pairing is worth */
+    double correlation;          /**< of the pairs' crack lengths; the gain of pairing */
 } haft_difference;
 
-/** Holds a second set of beams against a first; those that were not run or failed are left out.
- *  What needs two that stuck on either side is NaN where there are fewer. 400 rounds of bootstrap
- *  and permutation, of a fixed seed: the same every time.
+/** Compares a second set of beams with a first; beams that were not run or failed are left out.
+ *  Numbers that need two stuck beams in each set are NaN if there are fewer. Bootstrap and
+ *  permutation take 400 rounds with a fixed seed, so the result is reproducible.
  *  @param[out] out what differs
  *  @param[in] first, second their cases
  *  @param[in] first_beam, first_beams the first's beams and how many

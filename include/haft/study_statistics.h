@@ -70,10 +70,10 @@ typedef struct haft_statistics {
     haft_interval deviation_interval;      /**< [m] chi-square: assumes normal crack lengths */
     double least;                          /**< [m] */
     double greatest;                       /**< [m] */
-    double quantile[HAFT_STUDY_QUANTILES]; /**< [m]; INFINITY where it lies among the free */
+    double quantile[HAFT_STUDY_QUANTILES]; /**< [m]; INFINITY if it lies among the free beams */
     haft_interval quantile_interval[HAFT_STUDY_QUANTILES]; /**< [m] free of a distribution; among
                                                               the free from the beam's length on */
-    double stuck_share;           /**< of those that stuck or are free; NaN if there is none */
+    double stuck_share;           /**< of the beams that stuck or are free; NaN if there are none */
     haft_interval stuck_interval; /**< Clopper-Pearson */
     double gamma;                 /**< Eq. 36 of the mean crack length [J/m^2] */
     double jumps;                 /**< a realization, mean */
@@ -101,10 +101,10 @@ typedef struct haft_order_error {
     haft_chaos_errors errors; /**< measured */
 } haft_order_error;
 
-/** Maps that expansions are held against, the same for all of them. */
+/** Number of maps that expansions are compared with, the same for all of them. */
 enum { HAFT_STUDY_MAPS = 32768 };
 
-/** Studies the model of a set of laws in its expansion.
+/** Measures the errors of expansions of the model of a set of laws.
  *  @param[in] laws with a model
  *  @param[in] c whose law.chaos it was built by
  *  @param[in] n expansions
@@ -113,14 +113,14 @@ enum { HAFT_STUDY_MAPS = 32768 };
 haft_status haft_study_model_orders(const haft_laws *laws, const haft_case *c, size_t n,
                                     haft_order_error *out, haft_error *error) HAFT_MUST_CHECK;
 
-/** The orders that figures and tables of convergence go through, and rows of all germs in them. */
+/** Number of orders in figures and tables of convergence, and of rows for all germs. */
 enum { HAFT_STUDY_ORDERS = 9, HAFT_STUDY_ORDER_ROWS = 3 * HAFT_STUDY_ORDERS };
 
 /** Sets germ and order of each row, germ by germ. Thread-safe. */
 void haft_study_list_orders(haft_order_error row[HAFT_STUDY_ORDER_ROWS]);
 
-/** What a model of m vectors lacks of one of all, [j] for principal component j of all; means over
- *  up to 8 disjoint parts of the vectors. */
+/** The error of a model of m vectors against that of all vectors, [j] for principal component j
+ *  of all: means over up to 8 disjoint parts of the vectors. */
 typedef struct haft_vectors_error {
     size_t m;                                   /**< vectors of each part */
     size_t parts;                               /**< disjoint, of all vectors */
@@ -132,15 +132,15 @@ typedef struct haft_vectors_error {
     double relmise;                  /**< of the expansion from the part's own map (Eq. C.10) */
 } haft_vectors_error;
 
-/** Studies the model of a set of laws in the number of its vectors.
+/** Measures the convergence of a model in the number of its vectors.
  *  @param[in] laws with a model
  *  @param[in] c whose law.chaos it was built by
  *  @param[in] n numbers to try
  *  @param[in] m [n], at most the model's
  *  @param[out] out [n]
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_ARGUMENT for more than there are; HAFT_ERROR_INPUT if so few make no model.
- */
+ *  @return HAFT_ERROR_ARGUMENT for more vectors than there are; HAFT_ERROR_INPUT for too few for
+ *  a model. */
 haft_status haft_study_model_vectors(const haft_laws *laws, const haft_case *c, size_t n,
                                      const size_t *m, haft_vectors_error *out,
                                      haft_error *error) HAFT_MUST_CHECK;
@@ -151,7 +151,7 @@ enum { HAFT_STUDY_PARTS = 8 };
  *  @return how many. Thread-safe. */
 size_t haft_study_model_parts(const haft_laws *laws, size_t m[HAFT_STUDY_PARTS]);
 
-/** A correlation, its standard error, and how many pairs it is of. */
+/** A correlation, its standard error, and its number of pairs. */
 typedef struct haft_correlation {
     double value; /**< rho_l */
     double error; /**< by leaving out one realization at a time; NaN if there is one */
@@ -173,7 +173,7 @@ haft_status haft_study_correlation(size_t realizations, size_t sites, const doub
                                    size_t stride, size_t lags, haft_correlation *out,
                                    haft_error *error) HAFT_MUST_CHECK;
 
-/** That of e, f_max, d_max, d_limit of a set of explicit laws.
+/** The correlations of e, f_max, d_max and d_limit of a set of explicit laws.
  *  @param[in] laws of explicit beams
  *  @param[in] lags below the sites
  *  @param[out] out [4][lags + 1]

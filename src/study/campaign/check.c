@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a run would refuse, found before it: the steps that a run takes first, up to the law of the
- * first site, without a beam. They are the run's own, so that the messages are. */
+/* Checks of a case before a run: the first steps of a run, up to the law of the first site,
+ * without a beam. They are the same functions, so the messages are the same. */
 #include "study/laws/builder.h"
 
 /* The patch whose curve a beam of the first realization takes first, if it takes curves at all. */
@@ -11,7 +11,7 @@ static bool first_patch(const haft_case *c, size_t *patch) {
     return !drawn || haft_study_draws_patches(c);
 }
 
-/* The law of that patch alone, as the run makes it. */
+/* Makes the law of that patch as the run does. */
 static haft_status check_law(haft_builder *b, size_t patch, haft_error *error) {
     const haft_builder *only = b;
     haft_builder_hand *hand = NULL;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Realizations over threads. Each is done by one thread alone, its own laws before its path, and
- * both are appended to the process's part before the scheduler hears that it is done: what counts
- * as done is kept, and a run that is killed loses what is in work. */
+/* Realizations over threads. One thread computes a realization, first its laws and then its
+ * path, and appends both to the part of its process before it tells the scheduler. So every
+ * realization that counts as done is on disk, and a killed run loses only those in progress. */
 #include "pool.h"
 
 static haft_status keep(haft_pool *pool, size_t k, const haft_path *path,
@@ -18,7 +18,7 @@ static haft_status keep(haft_pool *pool, size_t k, const haft_path *path,
     return status;
 }
 
-/* The realization's own laws: those that are there, or built now. NULL where laws are drawn. */
+/* The realization's own laws, read or built now; NULL if laws are drawn. */
 static haft_status own_laws(haft_laws **out, const haft_pool *pool, size_t hand, size_t k,
                             haft_error *error) {
     *out = NULL;
@@ -102,7 +102,7 @@ void haft_pool_disband(haft_pool *pool) {
     haft_builder_destroy(&pool->builder);
 }
 
-/* Where there are several ranks, thread 0 of each speaks with the others and the rest work. */
+/* With several ranks, thread 0 of each communicates and the others work. */
 static void work_together(haft_pool *pool) {
     size_t left = 0;
     int threads = omp_get_max_threads() + 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Messages are small and of fixed size, so each is sent at once; an MPI call that fails ends the
- * job, which is MPI's own way. Waiting is by looking and sleeping, since MPI's own spins. */
+/* Messages are small and of fixed size, so each is sent at once. A failing MPI call ends the
+ * job, which is MPI's default. Waiting polls and sleeps, because MPI's own waiting spins. */
 #include "ranks.h"
 
 #include <time.h>

@@ -1,31 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Short messages between the processes of a run: the one place that knows MPI. Without it there is
- * one process, rank 0. All of it from the thread that began (MPI_THREAD_FUNNELED). Private to this
- * room. */
+/* Short messages between the processes of a run: the only file that uses MPI. Without MPI there
+ * is one process, rank 0. Only the thread that joined may call these functions
+ * (MPI_THREAD_FUNNELED). Private to this room. */
 #ifndef HAFT_STUDY_RANKS_H
 #define HAFT_STUDY_RANKS_H
 
 #include "haft/study.h"
 
 typedef enum haft_ranks_tag {
-    HAFT_RANKS_START, /* 0 to hand: 1, the laws are there; 0, there is nothing to do */
-    HAFT_RANKS_ASK,   /* hand to 0: what next? */
-    HAFT_RANKS_GIVE,  /* 0 to hand: this realization */
+    HAFT_RANKS_START, /* from rank 0: 1, the laws are ready; 0, there is nothing to do */
+    HAFT_RANKS_ASK,   /* to rank 0: what next? */
+    HAFT_RANKS_GIVE,  /* from rank 0: this realization */
     HAFT_RANKS_END,   /* 0 to hand: none */
-    HAFT_RANKS_DONE,  /* hand to 0: a realization is done and kept */
-    HAFT_RANKS_FAIL,  /* hand to 0: a realization, or all, cannot be done */
-    HAFT_RANKS_GONE,  /* hand to 0: all is kept, nothing more will come */
+    HAFT_RANKS_DONE,  /* to rank 0: a realization is done and saved */
+    HAFT_RANKS_FAIL,  /* to rank 0: a realization, or all, failed */
+    HAFT_RANKS_GONE,  /* to rank 0: all is saved, nothing more will come */
 } haft_ranks_tag;
 
-/* Is a message there? Does not wait. */
+/* Whether a message has arrived. Does not wait. */
 bool haft_ranks_probe(int *from, haft_ranks_tag *tag);
 
-/* Takes a message of that size, which is there. */
+/* Receives a message of that size that has arrived. */
 void haft_ranks_receive(int from, haft_ranks_tag tag, void *data, size_t size);
 
 void haft_ranks_send(int to, haft_ranks_tag tag, const void *data, size_t size);
 
-/* Sleeps for about a millisecond: whoever waits for a message leaves the processor to others. */
+/* Sleeps for about a millisecond, so that waiting for a message leaves the processor to others. */
 void haft_ranks_rest(void);
 
 #endif

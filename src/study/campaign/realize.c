@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One beam: its path, summed up. */
+/* One beam: its path and its summary. */
 #include "haft/study.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A thread that wants work posts what became of its last realization and waits; the thread that
- * speaks for its process carries both to rank 0 and brings the answer. One thread a process speaks,
- * and sleeps when there is nothing to say: an answer takes a few milliseconds, a realization tens
- * to thousands. */
+/* A thread that asks for work posts the result of its last realization and waits. The
+ * communicating thread of its process sends both to rank 0 and returns the answer. It sleeps
+ * when there is nothing to send: an answer takes a few milliseconds, a realization tens to
+ * thousands. */
 #include "remote.h"
 
 #include <string.h>
@@ -105,7 +105,7 @@ static void carry(haft_remote *remote) {
     }
 }
 
-/* Hands an answer to the first who waits for one. */
+/* Gives an answer to the first thread that waits for one. */
 static void hand_on(haft_remote *remote, slot_state state, uint64_t given) {
     omp_set_lock(&remote->lock);
     for (size_t i = 0; i < remote->slots; i++) {
@@ -167,7 +167,7 @@ void haft_remote_start(bool go) {
     }
 }
 
-/* Answers one message; true if its sender is gone. */
+/* Answers one message. @return whether its sender has left */
 static bool answer(haft_scheduler *scheduler, int from, haft_ranks_tag tag) {
     if (tag == HAFT_RANKS_DONE || tag == HAFT_RANKS_FAIL) {
         letter said;

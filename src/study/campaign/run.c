@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A run from its start or from where another ended: what parts are there, what is left to do, and
- * the results and laws made of all parts at the end, in order of realization. */
+/* A run, from its start or from where an earlier one ended: scans the parts, computes what is
+ * left, and makes results and laws from all parts at the end, in order of realization. */
 #include "pool.h"
 #include "shards.h"
 
@@ -120,7 +120,7 @@ static haft_status check_same_case(const run *r, const haft_results_view *view) 
     return status;
 }
 
-/* There are no parts: either all is done, or nothing was ever begun. */
+/* There are no parts: either all is done, or nothing was begun. */
 static haft_status take_complete(run *r) {
     haft_results_view *view = NULL;
     if (access(r->files->results, F_OK) != 0) {
@@ -185,8 +185,8 @@ static haft_status merge(run *r) {
     return status;
 }
 
-/* Of laws that the beams have of their own: those of the first n realizations, all done, from their
- * parts to laws.h5, unless that holds them already. */
+/* If beams have laws of their own, writes those of the first n realizations, all done, from
+ * their parts to laws.h5, unless it holds them already. */
 static haft_status save_laws(run *r, size_t n) {
     size_t there = 0;
     while (there < n && haft_study_has_laws(r->c, r->laws, there)) {
@@ -213,7 +213,7 @@ static haft_status save_laws(run *r, size_t n) {
     return status == HAFT_OK ? haft_laws_write(r->laws, r->c, r->files->laws, r->error) : status;
 }
 
-/* Makes the files of what is done. The parts go only when nothing is missing. */
+/* Makes the files from what is done. Removes the parts only if nothing is missing. */
 static haft_status conclude(run *r, haft_status outcome) {
     haft_error said = *r->error;
     haft_status status = haft_parts_scan(r->parts, r->c, r->laws_digest, NULL, NULL, r->error);
@@ -256,8 +256,8 @@ static void tell_stop(const run *r) {
 
 /* ---- all of it ---- */
 
-/* Fewer beams than threads: all threads build the laws of all of them first, block by block. A stop
- * rule, which may need fewer beams, has them built one by one. */
+/* With fewer beams than threads, all threads first build the laws of all beams, block by block.
+ * With a stop rule, which may need fewer beams, laws are built beam by beam. */
 static haft_status build_together(run *r) {
     bool direct = !haft_sampler_is_stochastic(r->c->law.sampler);
     bool few = r->c->realizations < (size_t)omp_get_max_threads() && haft_study_ranks() == 1 &&
@@ -274,7 +274,7 @@ static haft_status build_together(run *r) {
     return status == HAFT_OK ? haft_laws_write(r->laws, r->c, r->files->laws, r->error) : status;
 }
 
-/* The laws as they lie there: a model must, beams' own laws need not. */
+/* Reads the laws: a model must exist, beams' own laws need not. */
 static haft_status read_laws(run *r) {
     char built[HAFT_DIGEST_CAPACITY];
     HAFT_TRY(haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error));
@@ -302,7 +302,7 @@ static haft_status read_laws(run *r) {
     return status;
 }
 
-/* What the threads share besides the laws: of patches drawn the tables, and the model. */
+/* Makes what threads share besides the laws: tables of drawn patches, and the model. */
 static haft_status make_shared(run *r) {
     haft_status status = HAFT_OK;
     if (haft_study_draws_patches(r->c)) {
@@ -331,7 +331,7 @@ static haft_status prepare(run *r) {
     return status;
 }
 
-/* Says how many beams' laws are to be built where some are there. */
+/* Reports how many beams' laws must be built, if some exist. */
 static void tell_lacking(const run *r, size_t lacking) {
     if (lacking > 0 && r->laws != NULL) {
         char text[HAFT_TEXT_CAPACITY];
@@ -396,7 +396,7 @@ static haft_status go(run *r) {
     return status;
 }
 
-/* Takes the folder of parts, and looks whether what is there lets this run begin. */
+/* Locks the folder of parts, and checks whether its contents let this run begin. */
 static haft_status begin(run *r) {
     haft_status status = haft_study_laws_digest(r->laws_digest, r->c, r->files->laws, r->error);
     HAFT_THEN(status, haft_parts_hold(&r->parts, r->files->parts, r->shard.index, r->shard.count,
@@ -409,7 +409,7 @@ static haft_status begin(run *r) {
     return status == HAFT_OK ? check_results(r) : status;
 }
 
-/* What another rank than 0 does: its share of the realizations, and nothing else. */
+/* On ranks other than 0: computes their share of the realizations. */
 static haft_status lend_a_hand(run *r) {
     if (!haft_remote_await_start()) {
         return HAFT_OK; /* rank 0 says why */
@@ -437,7 +437,7 @@ static haft_status lead(run *r, haft_summary *summary) {
         haft_scheduler_open(&r->scheduler, summary, r->c, r->shard, r->progress, r->error);
     HAFT_THEN(status, begin(r));
     if (status == HAFT_OK) {
-        if (r->shard.count == 0) { /* another machine's processes are not known here */
+        if (r->shard.count == 0) { /* processes of other machines are not known here */
             haft_io_drop_stale(r->files->results);
             haft_io_drop_stale(r->files->laws);
             haft_io_drop_stale(r->files->parts);

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The order of a run. Realizations go out in ascending order, so whichever thread or process does
- * them, all below the highest one given are done or in work: the lowest failure is the same for any
- * number of hands. The stop rule looks at prefixes alone, 0 to n-1 with n a multiple of a fixed
- * stride, so where it ends the run does not depend on who was quicker, nor on interruptions. A
- * shard has no such prefix of its own: it does all it is given, and the rule is for whoever joins
- * them. */
+/* The order of a run. Realizations are handed out in ascending order, so all below the highest
+ * one handed out are done or in progress, and the lowest failure is the same for any number of
+ * threads. The stop rule looks only at prefixes 0 to n-1, with n a multiple of a fixed stride,
+ * so the end of the run depends neither on timing nor on interruptions. A shard has no such
+ * prefix: it computes all of its realizations, and the rule is applied when shards are merged. */
 #include "scheduler.h"
 
 #include <math.h>
@@ -40,8 +39,7 @@ void haft_scheduler_close(haft_scheduler *scheduler) {
     *scheduler = (haft_scheduler){0};
 }
 
-/* The run needs no more than the first n, all of which are done: what was done beyond them is
- * forgotten. */
+/* The run needs only the first n realizations, which are all done. Drops those beyond. */
 static void end_at(haft_scheduler *scheduler, size_t n) {
     scheduler->end = scheduler->total = scheduler->count = n;
     for (size_t k = n; k < scheduler->c->realizations; k++) {
@@ -150,7 +148,7 @@ void haft_scheduler_abort(haft_scheduler *scheduler, haft_status status, const c
 haft_status haft_scheduler_outcome(haft_scheduler *scheduler, const char *command) {
     if (scheduler->status != HAFT_OK && scheduler->failed >= scheduler->end &&
         !scheduler->aborted) {
-        scheduler->status = HAFT_OK; /* beyond what the stop rule needs */
+        scheduler->status = HAFT_OK; /* not needed by the stop rule */
     }
     if (scheduler->status == HAFT_OK && scheduler->count < scheduler->total) {
         scheduler->status =

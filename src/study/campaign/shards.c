@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shards know nothing of each other, so what lacks is seen only where they are joined. */
+/* Shards do not communicate, so missing realizations are noticed only when they are merged. */
 #include "shards.h"
 
 #include <stdio.h>
 
-enum { NAMED = 12 }; /* shards in a list, and then no more */
+enum { NAMED = 12 }; /* most shards that a message lists */
 
 bool haft_shard_has(haft_shard shard, size_t realization) {
     return shard.count == 0 || realization % shard.count == shard.index - 1;
@@ -20,7 +20,7 @@ void haft_shards_command(char command[HAFT_COMMAND_CAPACITY], haft_shard shard,
     }
 }
 
-/* How many of a shard's realizations are not there. */
+/* The number of missing realizations of a shard. */
 static size_t count_lacking(const haft_scheduler *scheduler, haft_shard shard) {
     size_t lacking = 0;
     for (size_t k = 0; k < scheduler->end; k++) {
@@ -29,7 +29,7 @@ static size_t count_lacking(const haft_scheduler *scheduler, haft_shard shard) {
     return lacking;
 }
 
-/* "2", "2, 5 and 7", "1, 2, 3 and 17 more"; @return how many shards lack anything. */
+/* "2", "2, 5 and 7", "1, 2, 3 and 17 more"; @return the number of incomplete shards */
 static size_t list_lacking(char *text, size_t capacity, const haft_scheduler *scheduler,
                            size_t count) {
     size_t lacking = 0, total = 0, length = 0;

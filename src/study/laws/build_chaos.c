@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stochastic model of a case: the sound ones among its vectors, and its choices. */
+/* Builds the stochastic model of a case from its sound vectors. */
 #include "stochastic.h"
 
-/* N_g is not known before the components are: rising order needs it, so it is asked for twice. */
+/* N_g is known only after the principal components, and rising order needs it: so the model is
+ * made twice. */
 haft_status haft_stochastic_create(haft_chaos **out, size_t m, const haft_law_vector *vector,
                                    const haft_case *c, haft_error *error) {
     haft_chaos_spec spec = c->law.chaos.spec;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The laws of all realizations at once, or of a model's patches, of one case or of several that
- * share their surfaces: blocks of surface are independent of each other, so they are dealt out to
- * threads; each writes its own patches' rows, and nothing depends on who did which. All is in
- * memory until all is done. */
+/* Builds the laws of all realizations, or of a model's patches, of one case or of several with
+ * the same surfaces. Blocks of surface are independent and are shared out among threads; each
+ * thread writes the rows of its own patches, so the result does not depend on the number of
+ * threads. Everything stays in memory until all is done. */
 #include "builder.h"
 
 #include <omp.h>
 
-/* What the whole build shares. */
+/* Data shared by the whole build. */
 typedef struct build {
     size_t cases;
-    haft_builder **builder; /* one a case, the first with the surfaces */
+    haft_builder **builder; /* one per case; the first has the surfaces */
     haft_laws **laws;
     size_t sets, blocks; /* blocks a set */
     int hands;
@@ -30,7 +30,7 @@ static bool stopped(const haft_progress *progress) {
     return progress != NULL && progress->stop != NULL && progress->stop(progress->user);
 }
 
-/* Deals out the blocks; the first failure by task number is the one told. */
+/* Computes the blocks in parallel. The failure with the lowest task number is reported. */
 static haft_status do_all_blocks(build *b, haft_error *error) {
     long tasks = (long)(b->sets * b->blocks), failed_task = tasks;
     haft_status result = HAFT_OK;
@@ -94,7 +94,7 @@ static haft_status run_build(build *b, haft_error *error) {
     return status;
 }
 
-/* Drops the curves that are not to be kept. */
+/* Drops curves that the case does not keep. */
 static haft_status drop_curves(haft_laws **laws, const haft_case *c, haft_error *error) {
     size_t sets = (*laws)->m / (*laws)->sites;
     haft_laws *all = *laws;
@@ -112,7 +112,7 @@ static haft_status drop_curves(haft_laws **laws, const haft_case *c, haft_error 
     return status;
 }
 
-/* Builders and room for all cases; the first case's blocks are those of all. */
+/* Makes builders and room for all cases. All have the blocks of the first. */
 static haft_status prepare(build *b, const haft_case *const *c, haft_error *error) {
     b->builder = haft_memory_alloc(b->cases, sizeof *b->builder, error);
     haft_status status = b->builder == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
@@ -126,7 +126,7 @@ static haft_status prepare(build *b, const haft_case *const *c, haft_error *erro
     return status;
 }
 
-/* The curves of all cases, as they come from the surfaces; after a failure all are NULL. */
+/* Computes the curves of all cases from the surfaces; after a failure all are NULL. */
 static haft_status read_off(haft_laws **out, const haft_case *const *c, size_t cases, size_t sets,
                             const haft_progress *progress, haft_error *error) {
     build b = {.cases = cases, .laws = out, .sets = sets, .progress = progress};
@@ -144,7 +144,8 @@ static haft_status read_off(haft_laws **out, const haft_case *const *c, size_t c
     return status;
 }
 
-/* The curves that the case keeps, and the model if it asks for one; after a failure NULL. */
+/* Keeps the curves that the case asks for, and builds its model if it has one; after a failure
+ * NULL. */
 static haft_status finish(haft_laws **laws, const haft_case *c, haft_error *error) {
     haft_status status = HAFT_OK;
     bool stochastic = haft_sampler_is_stochastic(c->law.sampler);

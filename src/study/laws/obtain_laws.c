@@ -27,7 +27,7 @@ haft_status haft_study_laws_digest(char digest[HAFT_DIGEST_CAPACITY], const haft
     return status;
 }
 
-/* A model knows nothing of the patches that it was not built from: that must not go unsaid. */
+/* Reports patches that are left out of a model, because their laws are not in its results. */
 static void tell_left_out(const haft_case *c, const haft_laws *laws,
                           const haft_progress *progress) {
     size_t count[HAFT_LAW_FAULTS];

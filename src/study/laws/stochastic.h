@@ -1,23 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stochastic model of a case, for those who build it and those who look at it. Private to this
- * room. */
+/* The stochastic model of a case, for building and studying it. Private to this room. */
 #ifndef HAFT_STUDY_STOCHASTIC_H
 #define HAFT_STUDY_STOCHASTIC_H
 
 #include "haft/study.h"
 
-/* The model of m vectors by the case's choices. */
+/* Builds the model of m vectors by the case's choices. */
 haft_status haft_stochastic_create(haft_chaos **out, size_t m, const haft_law_vector *vector,
                                    const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
 
-/* The same with another germ and order; more Gauss points than the order needs only where the case
- * asks for as many. */
+/* The same with another germ and order, and the case's Gauss points if they are enough for that
+ * order. */
 haft_status haft_stochastic_create_of_order(haft_chaos **out, size_t m,
                                             const haft_law_vector *vector, const haft_case *c,
                                             haft_chaos_germ germ, size_t order,
                                             haft_error *error) HAFT_MUST_CHECK;
 
-/* The kernels about a model's centres. */
+/* The kernels around a model's centres. */
 haft_chaos_kernels haft_stochastic_kernels(const haft_chaos *chaos);
 
 /* Principal components of n vectors drawn from the expansion of `drawn`, in the coordinates of
