@@ -9,7 +9,7 @@
 
 enum { CURVES = 10, SHAPES = 14, SHAPE_POINTS = 401 };
 
-/* The laws that are shown, and the curves they were made of, NULL where they were not kept. */
+/* The laws in the figure and their curves, NULL if they were not kept. */
 typedef struct shown {
     size_t count, index[CURVES]; /* of the site, or of the model's patch */
     const double *curve[CURVES];
@@ -17,7 +17,7 @@ typedef struct shown {
     haft_law_vector vector[CURVES];
 } shown;
 
-/* Laws of the first realization's sites, spread over that part of the beam that has them. */
+/* Laws of sites of the first realization, spread over the part of the beam that has laws. */
 static void show_sites(shown *s, const haft_case *c, const haft_site_laws *sites,
                        const haft_laws *laws) {
     bool drawn = haft_study_draws_patches(c);
@@ -34,7 +34,7 @@ static void show_sites(shown *s, const haft_case *c, const haft_site_laws *sites
     }
 }
 
-/* Sound laws among those that a model was built from. */
+/* Sound laws of the patches of a model. */
 static void show_patches(shown *s, const haft_laws *laws) {
     s->count = 0;
     for (size_t k = 0; k < CURVES; k++) {
@@ -51,7 +51,7 @@ static void show_patches(shown *s, const haft_laws *laws) {
     }
 }
 
-/* Curves and what became of them; laws stand for curves that were not kept. */
+/* Curves and their laws; laws replace curves that were not kept. */
 static haft_status write_curves(const haft_case *c, const haft_laws *laws, const shown *s,
                                 const char *directory, haft_error *error) {
     enum { GRID = 221 };
@@ -107,7 +107,7 @@ static haft_status write_vectors(const haft_laws *laws, const shown *s, const ch
     return haft_sheet_write(&t, directory, "vectors.csv", error);
 }
 
-/* Ten curves, and what the solver or the model makes of each. */
+/* Ten curves with the laws that the solver or the model uses. */
 static haft_status write_laws(const haft_case *c, const haft_laws *laws, const char *directory,
                               haft_error *error) {
     haft_site_laws *sites = NULL;
@@ -156,8 +156,8 @@ static size_t find_greatest_jump(const haft_path *path, size_t from, size_t to) 
     return found;
 }
 
-/* Chooses up to SHAPES accepted states between two points, evenly in the load point's deflection,
- * first and last included, and besides them the two about the greatest jump. */
+/* Chooses up to SHAPES accepted states between two points, including both, evenly in the
+ * deflection of the load point; adds the two states before and after the largest jump. */
 static size_t choose_states(const haft_path *path, size_t from, size_t to, size_t landed,
                             size_t chosen[SHAPES + 2]) {
     double start = path->point[from].deflection, span = path->point[to].deflection - start;
@@ -184,7 +184,7 @@ static void fill_shape(double *row, const haft_case *c, const haft_path_point *p
     }
 }
 
-/* Heights above the substrate, SHAPE_POINTS rows a state. */
+/* Heights above the substrate, SHAPE_POINTS rows per state. */
 static haft_status write_shapes(const haft_case *c, const haft_path *path,
                                 const haft_results_shapes *s, const char *directory,
                                 haft_error *error) {
@@ -209,8 +209,8 @@ static haft_status write_shapes(const haft_case *c, const haft_path *path,
     return haft_sheet_write(&t, directory, "shapes.csv", error);
 }
 
-/* The accepted states, and before each landing the fold it left from, so that branches end where
- * they do. */
+/* The accepted states, and before each landing the fold, so that curves of branches reach their
+ * ends. */
 static haft_status write_energy(const haft_path *path, const char *directory, haft_error *error) {
     static const char *const name[] = {"phase", "jump", "load [uN]", "crack length [um]",
                                        "internal energy [pJ]"};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The beam's shapes along a path: those that a realization left as evidence, or, as a path is the
- * same to the bit whenever it is followed, those of following it again. */
+/* The beam's shapes along a path: from a realization's evidence, or by following the path again,
+ * which gives the same bits. */
 #include "haft/study.h"
 
 static haft_results_shapes *make_shapes(const haft_model *model, size_t points, haft_error *error) {

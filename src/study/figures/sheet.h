@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A table of doubles with named columns on its way into a CSV file. Private to this room. */
+/* A table of doubles with named columns, to be written as CSV. Private to this room. */
 #ifndef HAFT_STUDY_SHEET_H
 #define HAFT_STUDY_SHEET_H
 
@@ -11,15 +11,15 @@ typedef struct haft_sheet {
     haft_csv_column *column;
 } haft_sheet;
 
-/* Makes room, all zero, columns unnamed. What it made is freed by haft_sheet_write() alone, or by
- * haft_sheet_drop(). */
+/* Allocates a table of zeros with unnamed columns. haft_sheet_write() or haft_sheet_drop() frees
+ * it. */
 haft_status haft_sheet_make(haft_sheet *t, size_t rows, size_t columns,
                             haft_error *error) HAFT_MUST_CHECK;
 
 /* Names all columns. */
 void haft_sheet_name(haft_sheet *t, const char *const *name);
 
-/* Writes DIRECTORY/NAME and frees the table, whatever comes of it. */
+/* Writes DIRECTORY/NAME, and frees the table even if that fails. */
 haft_status haft_sheet_write(haft_sheet *t, const char *directory, const char *name,
                              haft_error *error) HAFT_MUST_CHECK;
 

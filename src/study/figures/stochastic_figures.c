@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The data of a model's figures (Figs. 14b, 16, 17, 18 of Hoang et al.): what the vectors are like,
- * their kernel density, and what the expansion makes of it at a few orders. Densities of samples
- * are histograms; of so many that a bin near the mode is good to a percent. */
+/* The data of a model's figures (Figs. 14b, 16, 17, 18 of Hoang et al.): the vectors, their
+ * kernel density, and the expansion at a few orders. Densities of samples are histograms of so
+ * many samples that a bin near the mode is good to a percent. */
 #include "stochastic_figures.h"
 #include "sheet.h"
 
@@ -76,7 +76,7 @@ static void count_plane(size_t n, const double *x, const double *y, const double
 
 /* ---- the figures ---- */
 
-/* Ten laws as the solver gets them (Fig. 14b). */
+/* Ten laws as drawn for the solver (Fig. 14b). */
 static haft_status write_generated(const haft_case *c, const haft_laws *laws, const char *directory,
                                    haft_error *error) {
     enum { POINTS = 441 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the figures of a model share. Private to this room. */
+/* Data shared by the figures of a model. Private to this room. */
 #ifndef HAFT_STUDY_STOCHASTIC_FIGURES_H
 #define HAFT_STUDY_STOCHASTIC_FIGURES_H
 
@@ -7,7 +7,7 @@
 
 enum { ORDERS = 3 };
 
-/* Standard deviations of a component that figures show. */
+/* Range of a component in figures, in standard deviations. */
 #define SHOWN 4.5
 
 /* Expansions of a few orders, 4, 8 and the case's own, the last, and components drawn from each. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a case's surfaces look like: a piece of the first one, and its PSD beside the one asked for
+/* Data of a case's surfaces: a piece of the first one, and its PSD beside the prescribed one
  * (Figs. 3 and 11 of Hoang et al., 2017). */
 #include "sheet.h"
 
@@ -8,11 +8,11 @@
 enum { MAP_POINTS = 300, SPECTRUM_LEAST = 16, SPECTRUM_MOST = 4096 }; /* points a side */
 enum { ASKED_POINTS = 200 };
 
-/* Side of the piece that is shown [m]. */
+/* Side of the piece in the figure [m]. */
 #define MAP_SIZE 6e-6
 
-/* A ring of the measured PSD reaches at most so far beyond its mean wave number: half its width of
- * a fortieth of a decade. */
+/* A ring of the measured PSD ends at most this far beyond its mean wave number: half its width
+ * of a fortieth of a decade. */
 static const double RING_REACH = 1.03;
 
 typedef struct piece {
@@ -34,8 +34,8 @@ static haft_status generate_piece(piece *p, const haft_case *c, size_t patches, 
     return status;
 }
 
-/* As long as is shown, or as a spectrum needs, and as wide as the beam, from realization 0's
- * corner; of maps, whose waves are as short as their pixels, its first patch alone. */
+/* A piece as wide as the beam and long enough for the figure and a spectrum, from the corner of
+ * realization 0. For maps, whose waves are as short as their pixels, only the first patch. */
 static haft_status draw_piece(piece *p, const haft_case *c, haft_error *error) {
     haft_tiling *tiling = NULL;
     HAFT_TRY(haft_study_tiling(&tiling, c, error));
@@ -81,7 +81,7 @@ static size_t points_kept(size_t n, size_t stride) {
     return kept < SPECTRUM_MOST ? kept : SPECTRUM_MOST;
 }
 
-/* The piece's radial PSD; none, without an error, of one too narrow to have any. */
+/* The piece's radial PSD; none, and no error, if it is too narrow. */
 static haft_status measure(haft_psd_table **out, const piece *p, haft_error *error) {
     haft_map *map = NULL;
     size_t rows = points_kept(p->rows, p->stride), columns = points_kept(p->columns, p->stride);
@@ -106,7 +106,7 @@ static double asked(const haft_case *c, double zeta) {
                                     : haft_psd_value(&c->surface.psd, zeta);
 }
 
-/* The PSD asked for, from a tenth of its roll-off, or from where it was measured, to its end. */
+/* The prescribed PSD, from a tenth of its roll-off, or from its first point, to its end. */
 static haft_status write_asked(const haft_case *c, const haft_psd_table *measured,
                                const char *directory, haft_error *error) {
     static const char *const name[] = {"zeta [rad/um]", "s [nm^4]"};
@@ -125,7 +125,7 @@ static haft_status write_asked(const haft_case *c, const haft_psd_table *measure
     return haft_sheet_write(&t, directory, "psd.csv", error);
 }
 
-/* The rings measured inside the PSD asked for; one without numbers where there are none. */
+/* The measured rings within the range of the prescribed PSD; one row of NaN if there are none. */
 static haft_status write_rings(const haft_case *c, const haft_psd_table *measured,
                                const char *directory, haft_error *error) {
     static const char *const name[] = {"zeta [rad/um]", "s [nm^4]", "relative error",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Summaries as CSV, for whoever has no HDF5 at hand. */
+/* Summaries as CSV, for use without HDF5. */
 #include "study/statistics/moments.h"
 
 #include <math.h>
@@ -38,7 +38,7 @@ haft_status haft_study_write_summary(const haft_summary *summary, size_t n, cons
     return status;
 }
 
-/* One row after the first n: of all that were run, and of those that stuck. */
+/* One row for the first n beams: of all that were run, and of those that stuck. */
 static void convergence_row(double row[8], size_t n, const haft_moments *moments,
                             double confidence) {
     double s = haft_moments_deviation(moments);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What water does at each humidity: Fig. 4b of Hoang et al. (2017), for a case's own liquid. */
+/* Laplace pressure and height of the water at each humidity: Fig. 4b of Hoang et al. (2017), for
+ * a case's own liquid. */
 #include "sheet.h"
 
 enum { FIRST = 30, LAST = 99 }; /* [%] */

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a run stands to the assumptions of its model: scales apart, asperities that stay elastic,
- * menisci that stay apart, laws used where they were computed. Each is judged from the laws of all
- * patches or from one beam's states; a bound is where the assumption begins to fail, not a proof.
- */
+/* Checks of the assumptions of a run's model: separated scales, elastic asperities, separate
+ * menisci, and laws that are used within the distances they were computed for. Each is judged
+ * from the laws of all patches or from the states of one beam. A bound is where the assumption
+ * begins to fail, not a proof. */
 #include "findings.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Correlation lengths that a patch should span. */
+/* Number of correlation lengths that a patch should span. */
 static const double LENGTHS_A_PATCH = 3;
 /* Mean pressure at which a spherical asperity begins to yield, over its hardness (Tabor 1951: Y is
  * H / 2.8 and yield begins at 1.1 Y). */
@@ -39,8 +39,8 @@ static void find_scales(haft_findings *out, const haft_evidence *e) {
         patch * 1e6, ratio, e->correlation * 1e6, LENGTHS_A_PATCH);
 }
 
-/* The greatest change of a gap along a patch in reach when the load is gone, over the range of its
- * law; and that change. NaN where no patch is in reach. */
+/* The largest change of a gap along a patch in reach after unloading, over the range of its law;
+ * and that change. NaN if no patch is in reach. */
 static haft_status find_slope(haft_findings *out, const haft_evidence *e, haft_error *error) {
     const haft_model_data *model = haft_model_get(e->model);
     if (e->path->points == 0 || e->path->outcome != HAFT_OUTCOME_STUCK) {
@@ -206,7 +206,7 @@ static void find_curves(haft_findings *out, const haft_evidence *e) {
             : "Those are used as they are, the others through their Morse laws.");
 }
 
-/* How far beyond the computed part of its laws the beam shown is pressed. */
+/* How far the beam is pressed beyond the computed part of its laws. */
 static haft_status find_walls(haft_findings *out, const haft_evidence *e, haft_error *error) {
     const haft_model_data *model = haft_model_get(e->model);
     double *gap = haft_memory_alloc(model->sites, sizeof *gap, error);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The error budget of a mean crack length: each approximation is refined alone, on the same beams,
- * and all are at once. A shift is measured, not extrapolated: where the error falls in proportion
- * to a step, halving the step shows half of it. Terms whose two sides cannot have beams in common
- * (another source of laws) are differences of independent means, and need many beams. Where all
- * terms are paired, so is what they do to each other: what all at once change a beam by, less what
- * each alone changes it by, has no scatter but its own. */
+/* The error budget of a mean crack length. Each approximation is refined alone, on the same
+ * beams, and then all together. A shift is measured, not extrapolated: if an error is
+ * proportional to a step, halving the step shows half of it. Terms whose two sides cannot have
+ * the same beams (another source of laws) are differences of independent means, and need many
+ * beams. If all terms are paired, so is their interaction: the change of each beam by all
+ * refinements together minus the sum of the single changes. */
 #include "budget.h"
 
 #include <math.h>
@@ -36,7 +36,7 @@ static void skip(plan *p, const char *why) {
     snprintf(p->change, sizeof p->change, "%s", why);
 }
 
-/* The terms that only some cases have: where the laws come from, the mesh. */
+/* Terms that only some cases have: source of the laws, mesh. */
 static void plan_laws(plan *morse, plan *expansion, plan *density, plan *neighbours, plan *patch,
                       const haft_case *c) {
     bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
@@ -168,8 +168,8 @@ static bool is_stuck(const haft_changed *side, size_t k) {
     return side->beam[k].outcome == HAFT_OUTCOME_STUCK;
 }
 
-/* What all refinements change the beams by, less the sum of what each does: the mean of the beams
- * that stuck in all variants. */
+/* The change by all refinements together minus the sum of the single changes: the mean over the
+ * beams that stuck in all variants. */
 static haft_status measure_interaction(haft_budget *out, haft_changed_set *set, const plan p[TERMS],
                                        unsigned all, haft_error *error) {
     const haft_changed *side[2 * (TERMS + 1)];

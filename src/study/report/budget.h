@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A case with some of its choices changed, followed. Private to this room. */
+/* A case with some of its choices changed, and its beams. Private to this room. */
 #ifndef HAFT_STUDY_BUDGET_H
 #define HAFT_STUDY_BUDGET_H
 
 #include "haft/study_report.h"
 
-/* What can be changed in a case; several at once. */
+/* Changes of a case; they can be combined. */
 enum {
     HAFT_CHANGE_GRID = 1 << 0,       /* half the grid step */
     HAFT_CHANGE_ASPERITIES = 1 << 1, /* another model of asperities */
@@ -21,15 +21,15 @@ enum {
 
 enum { HAFT_VARIANTS_KEPT = 24 };
 
-/* A case as changed, its beams and what they took. */
+/* A changed case, its beams and their cost. */
 typedef struct haft_changed {
     unsigned changes;
     haft_case *c;
     haft_summary *beam;
-    double seconds; /* a beam, laws included */
+    double seconds; /* per beam, including its laws */
 } haft_changed;
 
-/* All that were followed, and the laws they share. */
+/* All changed cases that were run, and the laws they share. */
 typedef struct haft_changed_set {
     const haft_case *c;
     size_t beams;
@@ -45,7 +45,7 @@ typedef struct haft_changed_set {
     } built[HAFT_VARIANTS_KEPT];
 } haft_changed_set;
 
-/* The case with these changes, followed once however often it is asked for; the set owns it.
+/* Runs the case with these changes, or returns it if it was run before; the set owns it.
  * @return HAFT_ERROR_INPUT if the changed case cannot be used; the message says why. */
 haft_status haft_changed_get(const haft_changed **out, haft_changed_set *set, unsigned changes,
                              haft_error *error) HAFT_MUST_CHECK;

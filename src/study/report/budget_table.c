@@ -76,7 +76,8 @@ haft_status haft_study_write_budget(const haft_budget *budget, const haft_case *
     if (!failed) {
         write_rows(stream, budget, digest);
         failed = ferror(stream) != 0;
-        failed = fclose(stream) != 0 || failed || text == NULL; /* the last may fail in silence */
+        failed = fclose(stream) != 0 || failed ||
+                 text == NULL; /* the last need not report its failure */
     }
     haft_status status = failed
                              ? haft_error_set(error, HAFT_ERROR_MEMORY, "%s: out of memory", path)
@@ -87,7 +88,7 @@ haft_status haft_study_write_budget(const haft_budget *budget, const haft_case *
 
 /* ---- back ---- */
 
-/* Cuts a line into its fields, in place; @return how many there are. */
+/* Splits a line into its fields, in place. @return their number */
 static size_t split(char *line, char *field[COLUMNS]) {
     size_t n = 0;
     char *from = line;
@@ -168,8 +169,8 @@ static void take_row(haft_budget *out, char *field[COLUMNS]) {
     }
 }
 
-/* Every row has all its fields and is of this case, and the last row is the last that is written.
- */
+/* Checks that every row has all fields and belongs to this case, and that the last row is the
+ * last one written. */
 static haft_status read_rows(haft_budget *out, const char *digest, char *text, const char *path,
                              haft_error *error) {
     char *field[COLUMNS], *line = haft_text_line(&text);

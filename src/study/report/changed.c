@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Variants of a case for its error budget. Each is written and read back as a case of its own, so
- * that a change which makes no sense is refused as it would be in case.yaml, and any variant can be
- * run again alone. All have the case's seed: what two of them draw for the same purpose is the
- * same. Laws of the same inputs are built once. */
+/* Variants of a case for its error budget. Each is written and read back as a case of its own,
+ * so that a senseless change is refused as it would be in case.yaml, and any variant can be run
+ * again alone. All have the case's seed, so two variants draw the same random numbers for the
+ * same purpose. Laws of the same inputs are built once. */
 #include "budget.h"
 
 #include <math.h>
@@ -86,7 +86,7 @@ static haft_status obtain_laws(const haft_laws **laws, double *seconds, haft_cha
             return HAFT_OK;
         }
     }
-    /* only its wish to stop: the budget tells its own progress */
+    /* only its request to stop: the budget reports its own progress */
     haft_progress inner = {0};
     if (set->progress != NULL) {
         inner.stop = set->progress->stop;
@@ -116,7 +116,7 @@ static haft_status follow(haft_summary *beam, const haft_case *c, const haft_mod
     return status;
 }
 
-/* All beams, in parallel; the failure of the first of them is the one told. */
+/* Runs all beams in parallel. The failure of the first of them is reported. */
 static haft_status follow_all(haft_changed *own, const haft_changed_set *set, const haft_laws *laws,
                               haft_error *error) {
     haft_model *model = NULL;

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a run's numbers rest on as a computation: every state's certificate, the ledger, the scales
- * that grid, mesh and beam must resolve, the number of beams. Bounds are rules of thumb, each told
- * beside its number; the error budget measures what they stand for. */
+/* Checks of a run as a computation: the certificate of every state, the ledger, the scales that
+ * grid, mesh and beam must resolve, the number of beams. Bounds are rules of thumb, reported
+ * beside the numbers; the error budget measures the errors themselves. */
 #include "findings.h"
 
 #include <math.h>
 #include <stdio.h>
 
-/* Points a shortest wave should have; two carry it. */
+/* Grid points that the shortest wave should have; two represent it. */
 static const double POINTS_A_WAVE = 4;
-/* Share of the total work that rounding may leave open. */
+/* Share of the total work that rounding may miss. */
 static const double LEDGER_BOUND = 1e-8;
 /* Share of a deflection at the free end that may reach the crack's tip. */
 static const double END_BOUND = 0.01;
-/* Half width of the mean's interval over the mean, and beams from which its law is trusted. */
+/* Half width of the mean's interval over the mean, and number of beams from which the interval
+ * is trusted. */
 static const double MEAN_BOUND = 0.02;
 static const size_t BEAMS_LEAST = 10;
 
@@ -91,7 +92,7 @@ static void find_ledger(haft_findings *out, const haft_statistics *s) {
         s->ledger_error, LEDGER_BOUND);
 }
 
-/* The first beam without an answer, its outcome and what to do; nothing if all have one. */
+/* The first failed beam with its outcome and advice; nothing if there is none. */
 static void describe_failure(const haft_evidence *e, size_t capacity, char *text) {
     text[0] = '\0';
     for (size_t k = 0; k < e->c->realizations; k++) {
@@ -137,7 +138,7 @@ static void find_grid(haft_findings *out, const haft_case *c) {
         wave * 1e9, points, c->surface.grid_step * 1e9, POINTS_A_WAVE);
 }
 
-/* Length over which a beam on a foundation as stiff as its laws' steepest pull bends. */
+/* Bending length of a beam on a foundation with the steepest slope of its laws' pull. */
 static double foundation_length(const haft_evidence *e) {
     double steepest = 0;
     size_t n = 0;

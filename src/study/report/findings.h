@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a finding is judged from and how it is entered. Private to this room. */
+/* The data that findings are judged from. Private to this room. */
 #ifndef HAFT_STUDY_FINDINGS_H
 #define HAFT_STUDY_FINDINGS_H
 
 #include "haft/study_report.h"
 
-/* A case, its run, and one of its beams followed again with all its states. */
+/* A case, its run, and one of its beams, followed again with all states. */
 typedef struct haft_evidence {
     const haft_case *c;
     const haft_laws *laws;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spatial correlation along seamless surfaces. Realizations are independent, sites are not: so the
- * error is found by leaving out one realization at a time (jackknife). What a realization gives to
- * a lag are four sums, from which every estimate follows for any mean: the work is one pass. */
+/* Spatial correlation along seamless surfaces. Realizations are independent, sites are not, so
+ * the error is estimated by leaving out one realization at a time (jackknife). Each realization
+ * contributes four sums to a lag, from which all estimates follow for any mean, in one pass. */
 #include "haft/study.h"
 
 #include <math.h>
@@ -41,7 +41,7 @@ static sums sum_pairs(size_t sites, const double *x, size_t stride, size_t lag, 
     return s;
 }
 
-/* Something near the mean, so that nothing is lost to cancellation. */
+/* A number near the mean, to avoid cancellation. */
 static double find_centre(size_t n, const double *x, size_t stride) {
     double sum = 0;
     size_t count = 0;

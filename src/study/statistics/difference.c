@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two sets of beams beside each other. Where they have the seed in common, beam k of one has the
- * random numbers of beam k of the other, and the differences of pairs say more than the difference
- * of means. The test of distributions takes the sets as independent: of paired sets it rejects too
- * seldom. A distance of two samples is never 0, even if their laws are one: so it stands beside
- * what it would then be, found by dealing the beams out anew (permutation), and its own error is
- * found by drawing beams with repetition (bootstrap; Efron 1979). */
+/* Comparison of two sets of beams. With a common seed, beam k of both sets has the same random
+ * numbers, and the differences of pairs are more precise than the difference of means. The test
+ * of distributions assumes independent sets; for paired sets it rejects too rarely. The distance
+ * of two samples is positive even if they have the same distribution. So it is reported beside
+ * its mean under permutation of the beams, with a standard error by the bootstrap (Efron 1979). */
 #include "haft/study_report.h"
 
 #include <math.h>
 
 enum { EXACT_MOST = 200, EXACT_PATHS = 1000000, ROUNDS = 400 };
 
-/* Crack lengths of the beams followed to the end, sorted; a free one is longer than any. */
+/* Sorted crack lengths of the beams that were followed to the end; a free beam counts as longer
+ * than any other. */
 typedef struct lengths {
     size_t n, stuck;
     double *value;
@@ -33,9 +33,9 @@ static haft_status gather(lengths *l, const haft_summary *beam, size_t beams, ha
     return HAFT_OK;
 }
 
-/* P(distance >= d) by counting: all orders of the n1 + n2 values are equally likely, and an order
- * is a path on the lattice of the two counts, which is lost where it strays (Hodges 1958). One row
- * of the lattice is kept, as shares of all paths to it. */
+/* P(distance >= d) by counting. All orders of the n1 + n2 values are equally likely, and an
+ * order is a path on the lattice of the two counts; paths that go too far from the diagonal are
+ * excluded (Hodges 1958). One row of the lattice is kept, as shares of all paths to it. */
 static double count_paths(double distance, size_t n1, size_t n2) {
     double kept[EXACT_MOST + 1];
     double a = (double)n1, b = (double)n2, bound = (0.5 + floor(distance * a * b - 1e-7)) / (a * b);
@@ -76,7 +76,8 @@ double haft_study_kolmogorov(double distance, size_t n1, size_t n2) {
     return fmin(1, fmax(0, 2 * sum));
 }
 
-/* Newcombe's rule: each bound moves by the two bounds that move it, squared and added. */
+/* Newcombe's rule: the distance of each bound is the root of the sum of squares of two single
+ * distances. */
 static haft_interval newcombe(const double share[2], const haft_interval bound[2]) {
     double difference = share[1] - share[0];
     double down = hypot(share[1] - bound[1].low, bound[0].high - share[0]);
@@ -117,7 +118,7 @@ static void compare_pairs(haft_difference *out, const haft_summary *a, const haf
 
 /* ---- what chance does ---- */
 
-/* Index below n, of a stream that hangs on nothing but the round and the place. */
+/* A random index below n that depends only on the round and the place. */
 static size_t draw_below(size_t n, uint64_t round, uint64_t place, uint64_t draw) {
     uint64_t words[4];
     haft_random_words((haft_random_key){0, HAFT_RANDOM_RESAMPLE}, round, place, draw, words);
@@ -125,7 +126,7 @@ static size_t draw_below(size_t n, uint64_t round, uint64_t place, uint64_t draw
     return k < n ? k : n - 1;
 }
 
-/* Standard error of a standard deviation s, whatever the law: sqrt((m4 - s^4) / (4 s^2 n)). */
+/* Standard error of a standard deviation s, for any distribution: sqrt((m4 - s^4) / (4 s^2 n)). */
 static double error_of_deviation(const lengths *l, const haft_statistics *of) {
     double s = of->deviation, fourth = 0;
     for (size_t k = 0; k < l->stuck; k++) {
@@ -134,7 +135,7 @@ static double error_of_deviation(const lengths *l, const haft_statistics *of) {
     return s > 0 ? sqrt(fmax(0, fourth - pow(s, 4)) / (double)l->stuck) / (2 * s) : 0;
 }
 
-/* Deals the pooled samples out anew (Fisher and Yates). */
+/* Shuffles the pooled samples (Fisher and Yates). */
 static void deal(size_t n, double *x, uint64_t round) {
     for (size_t k = n; k > 1; k--) {
         size_t j = draw_below(k, round, k, 0);
@@ -172,7 +173,7 @@ static void measure_by_chance(haft_difference *out, const double *x, size_t n, c
     out->w1_by_chance = chance / ROUNDS;
 }
 
-/* Of those that stuck alone, which come first among the sorted lengths. */
+/* Only for beams that stuck, which come first among the sorted lengths. */
 static haft_status compare_stuck(haft_difference *out, const lengths l[2],
                                  const haft_statistics s[2], haft_error *error) {
     size_t n = l[0].stuck, m = l[1].stuck;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Confidence intervals. Quantiles of distributions are found by bisection on GSL's distribution
- * functions: its own inverses call its error handler, which ends the program, where they do not
- * converge. Brackets grow in small steps from a guess, since far out in a tail the functions
- * underflow, which GSL counts as an error too. */
+/* Confidence intervals. Quantiles are found by bisection on GSL's distribution functions,
+ * because GSL's own inverses call its error handler, which ends the program, if they do not
+ * converge. Brackets grow in small steps from a guess, because far in a tail the functions
+ * underflow, which GSL also treats as an error. */
 #include "haft/study_report.h"
 
 #include <gsl/gsl_cdf.h>
@@ -12,7 +12,7 @@ enum { HALVINGS = 200 };
 
 static const haft_interval UNKNOWN = {NAN, NAN};
 
-/* A distribution function with its tail: rising or falling in x. */
+/* A distribution function or its complement: rising or falling in x. */
 typedef double tail(double x, double parameter);
 
 /* x with function(x) = p, which lies between low and high. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Statistics of a campaign. A free beam has no crack length within the beam: it is not averaged.
- * For quantiles it is a length censored at the beam's end; as all are censored at that one place,
- * the product-limit estimate (Kaplan and Meier 1958) is the empirical distribution below it, and
- * its quantiles are order statistics of all beams with the free ones last. */
+/* Statistics of a campaign. A free beam has no crack length, so means leave it out. For
+ * quantiles it is a length that is censored at the beam's end. As all are censored at the same
+ * place, the product-limit estimate (Kaplan and Meier 1958) is the empirical distribution below
+ * it, and its quantiles are order statistics of all beams with the free ones last. */
 #include "moments.h"
 
 #include <math.h>
@@ -53,8 +53,9 @@ static void take_in(haft_statistics *s, haft_moments *moments, const haft_summar
 
 /* ---- quantiles ---- */
 
-/* The crack length of that rank, counted from 1, among the beams that stuck: by bisection on the
- * bits of a double, which order as positive numbers do. So no copy is made and none can fail. */
+/* The crack length of a rank, counted from 1, among the beams that stuck: by bisection on the
+ * bits of a double, which have the order of positive numbers. This needs no sorted copy, so it
+ * cannot fail. */
 static double find_ranked(const haft_summary *summary, size_t n, size_t rank) {
     uint64_t low = 0, high = 0x7ff0000000000000; /* +0 and infinity */
     double value;
@@ -75,7 +76,7 @@ static double find_ranked(const haft_summary *summary, size_t n, size_t rank) {
     return value;
 }
 
-/* The same among all that were followed to the end: the free ones are last, at `beyond`. */
+/* The same among all beams that were followed to the end: free beams come last, at `beyond`. */
 static double find_length(const haft_summary *summary, size_t n, size_t stuck, size_t rank,
                           double beyond) {
     return rank == 0 ? -INFINITY : rank > stuck ? beyond : find_ranked(summary, n, rank);

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a case's stochastic model converges in its order and in the number of vectors it is built
- * from. For the latter the vectors are cut into disjoint parts: each part's kernel density and
- * model are held against those of all, in the principal components of all; densities on a grid,
- * whose trapezoidal rule is exact to round-off for kernels this smooth. What a part shares with the
- * whole makes it look closer than a fresh sample would be, by about the share of the vectors. */
+/* Convergence of a case's stochastic model in its order and in the number of its vectors. For
+ * the latter the vectors are divided into disjoint parts, and each part's kernel density and
+ * model are compared with those of all vectors, in the principal components of all. Densities
+ * are integrated on a grid by the trapezoidal rule, which is exact to rounding for such smooth
+ * kernels. As a part belongs to the whole, it is closer to it than a new sample would be, by
+ * about its share of the vectors. */
 #include "study/laws/stochastic.h"
 
 #include <math.h>
 
 enum { N = HAFT_CHAOS_DIMENSION, MAPS = 4096, SAMPLES = 16384, GRID = 401, PARTS = 8 };
 
-/* One expansion: all its errors but those from the map, which were found once for all. */
+/* One expansion: all errors except those against the map, which is evaluated once for all. */
 static haft_status study_order(haft_order_error *out, const haft_chaos_parts *p, const haft_case *c,
                                const double *xi, const double *eta, haft_error *error) {
     haft_chaos *chaos = NULL;
@@ -99,7 +100,7 @@ static double density_error(const whole *w, const haft_chaos_kernels *part, size
     return error / size;
 }
 
-/* What one part of the vectors gives. */
+/* The errors of one part of the vectors. */
 typedef struct part {
     double density[N], w1[N], relmise;
 } part;
