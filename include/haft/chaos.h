@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file chaos.h The stochastic model of the law vector v = (e, f_max, d_max, d_limit): built
- *  from m vectors, it gives any number of vectors.
+/** @file chaos.h
+ *  The stochastic model of the law vector v = (e, f_max, d_max, d_limit): built from m vectors,
+ *  it gives any number of vectors.
  *
  *  v is transformed to unbounded numbers q, and q is reduced to its principal components eta.
  *  Gaussian kernels estimate the distribution of eta. The inverse Rosenblatt map takes the unit

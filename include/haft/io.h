@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /** @file io.h
- *  Cases (strict YAML with units), laws and results (HDF5, written whole or not at all), parts of
- *  results (logs that grow while a run is at work), CSV.
+ *  Reads and writes cases (strict YAML with units), laws and results (HDF5, written whole or not
+ *  at all), parts of results (logs that grow during a run), and CSV.
  *
- *  Functions on laws and results call the serial HDF5 library, which is not thread-safe: one thread
- *  at a time in all of them together, distinct files or not. haft_case_read() loads a units
- *  database (see haft_units): one thread at a time too. The others are thread-safe.
+ *  Functions on laws and results call the serial HDF5 library, which is not thread-safe: one
+ *  thread at a time in all of them together, distinct files or not. haft_case_read() loads a
+ *  units database (see haft_units): one thread at a time too. The others are thread-safe.
  *
  *  A data file is HDF5 behind 512 bytes that hold its length and checksum; HDF5 skips them (they
  *  are a user block). Readers take a file whole into memory and verify its checksum before HDF5
- * sees it. A file without a checksum (rewritten by another HDF5 tool), and a height map in HDF5,
- * are read in a child process: where that crashes or does not end, the file is refused as damaged.
- * No reader follows soft or external links or reads data out of other files. But for
- * /summary/seconds, the same contents make the same bytes. */
+ *  sees it. A file without a checksum (rewritten by another HDF5 tool) and a height map in HDF5
+ *  are read in a child process; if that crashes or does not end, the file is refused as damaged.
+ *  No reader follows soft or external links or reads data from other files. The same contents
+ *  give the same bytes, except /summary/seconds. */
 #ifndef HAFT_IO_H
 #define HAFT_IO_H
 
@@ -25,17 +25,17 @@
 extern "C" {
 #endif
 
-/** Digest of laws: haft_case_laws_digest(), and with it the origin where that is not "". */
+/** Digest of laws: haft_case_laws_digest(), combined with the origin unless that is "". */
 haft_status haft_laws_identify(char digest[HAFT_DIGEST_CAPACITY], const haft_case *c,
                                const char *origin, haft_error *error) HAFT_MUST_CHECK;
 
-/** Reads the digest and the origin of laws.h5 alone, once its checksum is verified. */
+/** Reads only the digest and the origin of laws.h5, after verifying its checksum. */
 haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_DIGEST_CAPACITY],
                            const char *path, haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it over
- *  what is there. Nothing is left behind by a failure. It is made in memory, at twice its size
- *  for a moment.
+/** Writes laws.h5 under a temporary name beside `path`, flushes it to the disk and renames it
+ *  over what is there. A failure leaves nothing behind. The file is made in memory, which
+ *  briefly takes twice its size.
  *  @param[in] laws what is written
  *  @param[in] c its resolved text and digests go with it
  *  @param[in] path of laws.h5
@@ -58,8 +58,8 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
                            haft_error *error) HAFT_MUST_CHECK;
 
 /** Reads law vectors from CSV. Its first line names the columns with their units, "e [mJ/m2]",
- * "f_max [MPa]", "d_max [nm]", "d_limit [nm]", in any order; other columns are passed over, save
- * that lines with anything but 0 under "fault" are left out: so the laws.csv of a case can be read.
+ *  "f_max [MPa]", "d_max [nm]", "d_limit [nm]", in any order. Other columns are ignored, except
+ *  that lines with a "fault" other than 0 are left out: so the laws.csv of a case can be read.
  *  @param[out] vector [*m], SI; to be freed with haft_memory_free()
  *  @param[out] m lines read, but for those left out
  *  @param[in] path of the CSV file
@@ -69,40 +69,41 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
 haft_status haft_vectors_read(haft_law_vector **vector, size_t *m, const char *path,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/** What a height map's file may leave unsaid. */
+/** Facts that the file of a height map may lack. */
 typedef struct haft_map_options {
     const char *channel; /**< by its name in the file, NULL or "": the first with heights; of
                               Nanoscope files "Height (retrace)" or "Height 2" too */
-    double width;        /**< of the whole map along x [m], where its file gives none; else 0 */
+    double width;        /**< of the whole map along x [m], if its file does not give it; else 0 */
     double height;       /**< the same along y */
-    double unit;         /**< of heights, where the file gives none [m]; else 0 */
+    double unit;         /**< of heights [m], if the file does not give it; else 0 */
     double lateral_unit; /**< of x and y columns [m]; else 0 */
 } haft_map_options;
 
-/** Reads a height map, whose kind is told by its contents:
+/** Reads a height map. Its format is recognised by its contents:
  *
- *  - Bruker (Veeco, Digital Instruments) Nanoscope, binary, 16 and 32 bit: heights are
- *    raw / 2^bits * hard scale * sensitivity (new headers, `@2:Z scale: V [Sens. Zsens] (...) 24.6
- * V`) or raw / 2^16 * `Z scale` (old ones), or raw * `Z magnify image` / 655.36 nm (no version);
- * two equal sides of `Scan size` are those of the frame, whose ratio and lines tell the map's
- * height;
+ *  - Bruker (Veeco, Digital Instruments) Nanoscope, binary, 16 and 32 bit: heights are raw /
+ *    2^bits * hard scale * sensitivity (new headers, `@2:Z scale: V [Sens. Zsens] (...) 24.6 V`)
+ *    or raw / 2^16 * `Z scale` (old ones), or raw * `Z magnify image` / 655.36 nm (no version);
+ *    two equal sides of `Scan size` are those of the frame, whose ratio and lines tell the map's
+ *    height;
  *  - Gwyddion Simple Field (.gsf);
- *  - Gwyddion's own files (.gwy): the channel named by options->channel, by its title or number, or
- * the only one whose unit is a length; a mask is not applied, which the map's note says;
+ *  - Gwyddion's own files (.gwy): the channel named by options->channel, by its title or number,
+ *    or the only one whose unit is a length; a mask is not applied, which the map's note says;
  *  - NumPy arrays (.npy) of real or whole numbers, rows by columns, with size and unit from
- * `options`;
- *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or German);
- * a bare matrix, with size and unit from `options`; three columns x, y, z of points on a grid (in
- * any order), taken for such where `options` gives no size;
- *  - HDF5: a two-dimensional dataset named by options->channel, or the only one there is; the unit
- * of heights from its text attribute `unit`, the size from its attribute `size` (width, height in
- * m), either from `options` if it has none; NetCDF's `units`, `scale_factor`, `add_offset`,
- * `_FillValue`, `missing_value` and valid range hold, and dimensions of length 1 count for nothing.
+ *    `options`;
+ *  - text: a matrix under Gwyddion's `# Width:`, `# Height:`, `# Value units:` (English or
+ *    German); a bare matrix, with size and unit from `options`; three columns x, y, z of points
+ *    on a grid (in any order), assumed if `options` gives no size;
+ *  - HDF5: a two-dimensional dataset named by options->channel, or the only one there is; the
+ *    unit of heights from its text attribute `unit`, the size from its attribute `size` (width,
+ *    height in m), either from `options` if it has none; NetCDF's `units`, `scale_factor`,
+ *    `add_offset`, `_FillValue`, `missing_value` and valid range hold, and dimensions of length 1
+ *    count for nothing.
  *
- *  Of many other formats the message says the name, and what to do.
+ *  For many other formats the message gives the name, and what to do.
  *
- *  Not-a-number is a missing pixel. Row 0 is the top of the image. What had to be assumed is told
- * in the map's note. Marks of missing pixels that the file does not declare (-9999, 1e38, a value
+ *  Not-a-number is a missing pixel. Row 0 is the top of the image. Assumptions are reported in
+ *  the map's note. Marks of missing pixels that the file does not declare (-9999, 1e38, a value
  *  further from the others than a thousand times their range) are refused.
  *  @param[out] out the map; NULL after a failure
  *  @param[in] path of the file
@@ -110,8 +111,8 @@ typedef struct haft_map_options {
  *  @param[out] digest of the file's bytes; may be NULL
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO if the file cannot be read; HAFT_ERROR_INPUT if it is foreign, damaged,
- * cut short, or does not say its units or size and neither does `options`: the message names what
- * would do. Calls HDF5: one thread at a time. */
+ *  cut short, or if neither it nor `options` gives units or size: the message says what is
+ *  needed. Calls HDF5: one thread at a time. */
 haft_status haft_map_read(haft_map **out, const char *path, const haft_map_options *options,
                           char digest[HAFT_DIGEST_CAPACITY], haft_error *error) HAFT_MUST_CHECK;
 
@@ -128,25 +129,26 @@ haft_status haft_map_write(const haft_map *map, const char *path,
 haft_status haft_io_write(const char *path, const void *data, size_t size,
                           haft_error *error) HAFT_MUST_CHECK;
 
-/** A results file being written: one realization after another, in any order, by one thread at a
- *  time. Nothing shows under `path` before haft_results_finish(); until then all is held in memory
- *  (80 bytes a path point, 16 bytes a node and point of evidence; at the end twice that). A run
- *  keeps its realizations in parts and makes this file out of them at its end. */
+/** A results file that is being written, one realization after another, in any order, by one
+ *  thread at a time. `path` does not exist before haft_results_finish(); until then everything
+ *  is in memory (80 bytes per path point, 16 bytes per node and point of evidence; at the end
+ *  twice that). A run keeps its realizations in parts and makes this file from them at its end. */
 typedef struct haft_results haft_results;
 
-/** Makes the temporary file PATH.tmp.PID, so that a folder that cannot be written is told at once.
+/** Creates the temporary file PATH.tmp.PID, so that a folder without write permission is
+ *  reported at once.
  *  @param[out] out the file being written; NULL after a failure
  *  @param[in] path of results.h5
  *  @param[in] c whose results
  *  @param[in] laws_digest may be NULL: unknown
- *  @param[in] overwrite false: HAFT_ERROR_EXISTS if `path` is there, before anything is written, or
- *  if another process has made it by the time of haft_results_finish().
+ *  @param[in] overwrite false: HAFT_ERROR_EXISTS if `path` is there, before anything is written,
+ *  or if another process has made it by the time of haft_results_finish().
  *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_results_create(haft_results **out, const char *path, const haft_case *c,
                                 const char *laws_digest, bool overwrite,
                                 haft_error *error) HAFT_MUST_CHECK;
 
-/** Adds /realizations/K: its path and jumps, and its evidence where the case asks for it (then the
+/** Adds /realizations/K: its path and jumps, and its evidence if the case asks for it (then the
  *  path must have kept its states).
  *  @param[in,out] results the file
  *  @param[in] realization which
@@ -156,14 +158,14 @@ haft_status haft_results_create(haft_results **out, const char *path, const haft
  *  @param[in] summary its row of /summary
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_ARGUMENT for a realization out of range or added before, or for evidence
- *  without states; any other failure lasts: only haft_results_abandon() is of use then. */
+ *  without states; after any other failure only haft_results_abandon() may be called. */
 haft_status haft_results_add(haft_results *results, size_t realization, const haft_path *path,
                              const haft_model_data *model, const haft_law *laws,
                              const haft_law_vector *vectors, const haft_summary *summary,
                              haft_error *error) HAFT_MUST_CHECK;
 
-/** Writes /summary (realizations never added carry NaN, and -1 for outcome and counts), flushes and
- *  renames. The handle is gone whatever comes of it; a failure leaves nothing behind. */
+/** Writes /summary (NaN, and -1 for outcome and counts, for realizations that were not added),
+ *  flushes and renames. Always frees the handle; a failure leaves nothing behind. */
 haft_status haft_results_finish(haft_results **results, haft_error *error) HAFT_MUST_CHECK;
 
 /** Drops an unfinished file and its temporary name; NULL is allowed. */
@@ -171,12 +173,12 @@ void haft_results_abandon(haft_results **results);
 
 /* ---- parts: the realizations of an unfinished run ---- */
 
-/** One process's part of a run: a log FOLDER/part-RANK-NUMBER, of a shard
- *  FOLDER/part-IofN-RANK-NUMBER, that grows by a checksummed record a realization. A process that
- *  is killed loses what it had not yet appended, no more. */
+/** One process's part of a run: a log FOLDER/part-RANK-NUMBER, or FOLDER/part-IofN-RANK-NUMBER
+ *  for a shard, that grows by a record with a checksum for each realization. A process that is
+ *  killed loses only what it had not yet appended. */
 typedef struct haft_part haft_part;
 
-/** Starts a new part; it never touches those that are there.
+/** Starts a new part, without touching existing ones.
  *  @param[out] out the part; NULL after a failure
  *  @param[in] folder of parts, which is held
  *  @param[in] shard, shards, rank of the process in the run, for the name alone; shard from 1 to
@@ -188,56 +190,58 @@ haft_status haft_part_create(haft_part **out, const char *folder, size_t shard, 
                              int rank, const haft_case *c, const char *laws_digest,
                              haft_error *error) HAFT_MUST_CHECK;
 
-/** Appends one realization, whole or not at all, in any order. The kernel has it on return; the
- * disk within about a second of further appending, or at haft_part_close(). One thread at a time.
+/** Appends one realization, whole or not at all, in any order. The record is with the kernel on
+ *  return, and on the disk within about a second of further appending or at haft_part_close().
+ *  One thread at a time.
  *  @param[in,out] part grows by a record
  *  @param[in] realization which
  *  @param[in] path, summary what became of it
  *  @param[in] laws its own, a set of one realization; NULL where they are drawn from a model
  *  @param[in] dofs unknowns of a state, where the path kept its states
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_IO (a full disk too): what was appended before stays whole. */
+ *  @return HAFT_ERROR_IO (also for a full disk): earlier records stay whole. */
 haft_status haft_part_append(haft_part *part, size_t realization, const haft_path *path,
                              size_t dofs, const haft_summary *summary, const haft_laws *laws,
                              haft_error *error) HAFT_MUST_CHECK;
 
-/** Flushes to the disk and closes, and removes a part that holds nothing; NULL is allowed. The
- * handle is gone whatever comes of it. */
+/** Flushes to the disk and closes; removes an empty part. NULL is allowed. Always frees the
+ *  handle. */
 haft_status haft_part_close(haft_part **part, haft_error *error);
 
-/** A folder of parts, held (flock) by one run, or by any number of shards, each by one process. */
+/** A folder of parts, locked (flock) by one run, or by any number of shards, each in one
+ *  process. */
 typedef struct haft_parts haft_parts;
 
-/** Makes the folder if need be and takes it. A shard (1 to `shards`; both 0: the whole run) sees
- * and clears its own parts alone.
+/** Creates the folder if necessary, and locks it. A shard (1 to `shards`; both 0: the whole run)
+ *  sees and clears its own parts alone.
  *  @return HAFT_ERROR_EXISTS if another process holds it or the shard, or if parts of another
  *  split are there; HAFT_ERROR_IO, HAFT_ERROR_MEMORY. */
 haft_status haft_parts_hold(haft_parts **out, const char *folder, size_t shard, size_t shards,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Gives the folder up, and removes it if no part is left in it; NULL is allowed. */
+/** Unlocks the folder, and removes it if no part is left in it; NULL is allowed. */
 void haft_parts_release(haft_parts **parts);
 
-/** Reads all parts and finds out which realizations they hold, each checked against its checksum.
- *  Torn tails and damaged records are told through `note` (may be NULL) with file and byte, and
- *  skipped; the rest is kept.
+/** Reads all parts and lists the realizations in them, each verified by its checksum. Incomplete
+ *  and damaged records are reported through `note` (may be NULL) with file and byte, and
+ *  skipped.
  *  @return HAFT_ERROR_INPUT if a part is of another case, other laws or another build of the
- *  program; the message says what differs. haft_parts_files() is right even then. */
+ *  program; the message says what differs. haft_parts_files() is valid even then. */
 haft_status haft_parts_scan(haft_parts *parts, const haft_case *c, const char *laws_digest,
                             void (*note)(void *user, const char *text), void *user,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** How many part files the last scan found. */
+/** Number of part files that the last scan found. */
 size_t haft_parts_files(const haft_parts *parts);
 
-/** How many realizations it found in them. */
+/** Number of realizations that it found in them. */
 size_t haft_parts_found(const haft_parts *parts);
 
-/** How many records it found of realizations that it had found before: the first of each counts. */
+/** Number of records of realizations that it had already found; the first of each counts. */
 size_t haft_parts_repeated(const haft_parts *parts);
 
-/** How many shards the parts found are split into; 0 where they are not of shards, or of several
- *  splits. */
+/** Number of shards that the run is split into according to the parts; 0 if they do not belong
+ *  to shards, or to different splits. */
 size_t haft_parts_split(const haft_parts *parts);
 
 /** Whether it found this realization. */
@@ -255,23 +259,23 @@ haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **
                             const haft_parts *parts, size_t realization, size_t dofs,
                             haft_error *error) HAFT_MUST_CHECK;
 
-/** Whether a folder holds parts: files that Haft names so, whatever is in them. Thread-safe. */
+/** Whether a folder holds parts, judged by the names of its files. Thread-safe. */
 bool haft_parts_are_in(const char *folder);
 
-/** Deletes all parts, one by one. Files of other names stay, here and wherever parts go. */
+/** Deletes all parts, one by one. Files of other names are never deleted. */
 haft_status haft_parts_clear(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
-/** Deletes all parts at once, for whoever looks: the folder, held by a run alone, is first renamed
+/** Deletes all parts atomically: the folder, locked by a run alone, is first renamed
  *  FOLDER.tmp.PID, so that a process killed meanwhile leaves all parts or none. A folder that
- *  holds other files too stays where it is, and its parts go one by one. */
+ *  also holds other files is not renamed, and its parts are deleted one by one. */
 haft_status haft_parts_retire(haft_parts *parts, haft_error *error) HAFT_MUST_CHECK;
 
-/** What `haft plot` and `haft info` need of a results file. */
+/** The parts of a results file that `haft plot` and `haft info` need. */
 typedef struct haft_results_view {
     size_t realizations;   /**< of the case */
     haft_summary *summary; /**< realizations */
     char *resolved_case;   /**< YAML text */
-    bool rewritten;        /**< by another program, which left all data as they were */
+    bool rewritten;        /**< by another program, without changing data */
 } haft_results_view;
 
 /** Reads the summary and the resolved case of results.h5.
@@ -282,12 +286,12 @@ haft_status haft_results_read(haft_results_view **out, const char *path,
 /** Frees a view and sets the pointer to NULL; NULL is allowed. */
 void haft_results_view_destroy(haft_results_view **view);
 
-/** Reads one realization's path and jumps back (no states). It reads the whole file to verify it:
- *  for many realizations open it once. */
+/** Reads one realization's path and jumps back (no states). Reads and verifies the whole file:
+ *  for many realizations, open it once. */
 haft_status haft_results_read_path(haft_path **out, const char *path, size_t realization,
                                    haft_error *error) HAFT_MUST_CHECK;
 
-/** A results file that is open for reading: verified, and in memory as a whole. */
+/** A results file that is open for reading: verified, and completely in memory. */
 typedef struct haft_results_file haft_results_file;
 
 /** Reads results.h5 into memory and verifies it.
@@ -320,34 +324,35 @@ typedef struct haft_results_shapes {
     double *rotation;   /**< points x nodes */
 } haft_results_shapes;
 
-/** @return HAFT_ERROR_INPUT if that realization left no evidence; the message says how to ask. */
+/** @return HAFT_ERROR_INPUT if that realization has no evidence; the message says how to ask for
+ *  it. */
 haft_status haft_results_read_shapes(haft_results_shapes **out, const char *path,
                                      size_t realization, haft_error *error) HAFT_MUST_CHECK;
 
 /** Frees shapes and sets the pointer to NULL; NULL is allowed. */
 void haft_results_shapes_destroy(haft_results_shapes **shapes);
 
-/** Removes the temporary files and folders of parts of `path` (PATH.tmp.PID, PATH.tmp.PID.N) whose
- * processes are no more on this machine. Thread-safe. */
+/** Removes the temporary files and folders of parts of `path` (PATH.tmp.PID, PATH.tmp.PID.N)
+ *  whose processes no longer exist on this machine. Thread-safe. */
 void haft_io_drop_stale(const char *path);
 
 /** Writes a text to `path`, whole or not at all. Thread-safe for distinct paths. */
 haft_status haft_text_write(const char *path, const char *text, haft_error *error) HAFT_MUST_CHECK;
 
-/** Reads a text file whole. A byte order mark is left out, UTF-16 with one becomes UTF-8, and a CR
- *  that ends a line alone becomes an LF. Thread-safe.
+/** Reads a text file whole. Removes a byte order mark, converts UTF-16 with such a mark to
+ *  UTF-8, and a CR line end to LF. Thread-safe.
  *  @param[out] text its bytes and a 0, for haft_memory_free(); NULL on failure
  *  @param[out] size how many bytes there are before that 0
  *  @param[in] path a regular file without NUL characters
  *  @param[in] most the most bytes it may have
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than `most`,
- *  holds a NUL character or is no valid UTF-16 behind such a mark, HAFT_ERROR_MEMORY */
+ *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than
+ *  `most`, holds a NUL character or is no valid UTF-16 behind such a mark, HAFT_ERROR_MEMORY */
 haft_status haft_text_read(char **text, size_t *size, const char *path, size_t most,
                            haft_error *error) HAFT_MUST_CHECK;
 
-/** Takes the next line off a text, of any length, and ends it by a 0 in place of its line end (LF
- *  or CR LF; the last line may lack one). Thread-safe for distinct texts.
+/** Takes the next line of a text, of any length, and replaces its line end (LF or CR LF; the
+ *  last line may lack one) by a 0. Thread-safe for distinct texts.
  *  @param[in,out] rest the text that is left, at first all of it
  *  @return the line, NULL if there is none left */
 char *haft_text_line(char **rest);

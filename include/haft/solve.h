@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file solve.h Quasi-static paths with many instabilities: load until the crack has a given
- *  length, then unload. Every jump is located, followed by gradient flow to where it lands, and
- *  entered into an energy ledger. Every accepted state is a stable equilibrium. */
+/** @file solve.h
+ *  Quasi-static paths with many instabilities: load until the crack has a given length, then
+ *  unload. Every jump is located, followed by gradient flow to where it lands, and entered into
+ *  an energy ledger. Every accepted state is a stable equilibrium. */
 #ifndef HAFT_SOLVE_H
 #define HAFT_SOLVE_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/** @file study_report.h Reports on finished runs: comparison of two runs, the assumptions behind
- *  a run, and the error of its mean due to each approximation. */
+/** @file study_report.h
+ *  Reports on finished runs: comparison of two runs, the assumptions behind a run, and the error
+ *  of its mean due to each approximation. */
 #ifndef HAFT_STUDY_REPORT_H
 #define HAFT_STUDY_REPORT_H
 
