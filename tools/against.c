@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One run held against another, the reference: as a table, as JSON, and as data for a figure. */
+/* Compares a run with another one, the reference: as a table, as JSON, and as data for a figure. */
 #include "against.h"
 
 #include "summary_report.h"
@@ -20,7 +20,7 @@ static void close_side(side *s) {
     haft_case_destroy(&s->c);
 }
 
-/* A finished run; `own` is its case where that is known. */
+/* Opens a finished run. `own` is its case, where the caller has it already. */
 static haft_status open_side(side *s, const haft_case *own, const char *folder, haft_error *error) {
     char path[PATH_CAPACITY];
     *s = (side){0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft budget: measured by the library, printed as a table. */
+/* haft budget: the library measures the error budget; this file prints it as a table. */
 #include "report.h"
 
 #include "haft/study_report.h"
@@ -41,7 +41,7 @@ static void print_budget(const haft_case *c, const haft_budget *b) {
            100 * b->confidence);
 }
 
-/* The whole run's sampling error, where there is one of this very case. */
+/* Finds the sampling error of the whole run, if there are results of this very case. */
 static bool find_headline(haft_statistics *s, const haft_case *c, const char *folder) {
     char path[PATH_CAPACITY];
     haft_results_view *view = NULL;

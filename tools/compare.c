@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft compare: the cases' statistics, each case against the first, and their distributions. */
+/* haft compare: compares the statistics of each case with those of the first, and draws their
+ * distributions. */
 #include "compare.h"
 
 #include "draw.h"
@@ -20,7 +21,7 @@ typedef struct entry {
     haft_case *c;
     haft_results_view *view;
     haft_statistics statistics;
-    haft_difference against; /* the first */
+    haft_difference against; /* from the first run */
 } entry;
 
 typedef struct entries {
@@ -47,8 +48,8 @@ static haft_status make_room(entries *all, size_t wanted, haft_error *error) {
     return HAFT_OK;
 }
 
-/* The last part of a folder's path and, of a sweep, the variant's name; without spaces or quotes.
- */
+/* Makes a label: the last part of the folder's path and, for a variant of a sweep, its name,
+ * without spaces or quotes. */
 static void make_label(entry *e, const char *folder) {
     size_t end = strlen(folder);
     while (end > 1 && folder[end - 1] == '/') {
@@ -123,7 +124,7 @@ static void drop(entries *all) {
     haft_memory_free(all->entry);
 }
 
-/* ---- telling ---- */
+/* ---- printing ---- */
 
 static void print_cases(const entries *all) {
     printf("\n %3s %9s %-20s %8s %8s %6s %6s %-22s  %s\n", "", "crack", "interval [um]", "s. dev.",
@@ -241,7 +242,8 @@ static int by_size(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Empirical distributions: case, crack length, share of all beams followed that are as short. */
+/* Saves the empirical distributions: case, crack length, and the share of all beams followed whose
+ * crack is at most that long. */
 static haft_status save_distributions(const entries *all, const char *directory,
                                       haft_error *error) {
     char path[PATH_CAPACITY];
@@ -264,7 +266,8 @@ static haft_status save_distributions(const entries *all, const char *directory,
         }
         qsort(length, stuck, sizeof *length, by_size);
         double followed = (double)(e->statistics.stuck + e->statistics.free);
-        for (size_t k = 0; k <= stuck && stuck > 0; k++) { /* the first rises from nothing */
+        for (size_t k = 0; k <= stuck && stuck > 0;
+             k++) { /* k = 0: the distribution starts at zero */
             double row[3] = {(double)i, length[k > 0 ? k - 1 : 0] * 1e6, (double)k / followed};
             memcpy(flat + 3 * n++, row, sizeof row);
         }

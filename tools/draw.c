@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Drawing a finished run: its data as CSV by the library, its figures by gnuplot. */
+/* Draws a finished run: the library writes the data as CSV, gnuplot draws the figures. */
 #include "draw.h"
 
 #include "against.h"
@@ -27,7 +27,8 @@ static haft_status draw_each(const pen *p, const char *const *figures, size_t co
     return status;
 }
 
-/* Of the PSD asked for: deviation of heights [nm], of slopes, of curvatures [1/um]. */
+/* Defines the roughness of the PSD asked for: the standard deviations of heights [nm], slopes and
+ * curvatures [1/um]. */
 static void define_roughness(char out[ROUGHNESS_CAPACITY], const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     snprintf(out, ROUGHNESS_CAPACITY, "rms=%.9g; slope=%.9g; curvature=%.9g; ", sqrt(m.m0) * 1e9,
@@ -54,11 +55,11 @@ static haft_status draw_path(const pen *p, haft_error *error) {
     static const char *const figures[] = {"surface", "psd",    "laws",     "shapes",
                                           "energy",  "cracks", "overview", "convergence"};
     size_t count = sizeof figures / sizeof *figures;
-    count -= p->c->realizations < 3; /* fewer beams converge to nothing */
+    count -= p->c->realizations < 3; /* too few beams to show convergence */
     return draw_each(p, figures, count, error);
 }
 
-/* How the laws hang together along a seamless surface. */
+/* Draws how the laws along a seamless surface correlate. */
 static haft_status draw_correlation(const pen *p, const haft_laws *laws, haft_error *error) {
     static const char *const figure[] = {"correlation"};
     if (p->c->law.sampler != HAFT_SAMPLER_EXPLICIT || laws->sites < 2 || laws->m <= laws->sites) {
@@ -100,14 +101,15 @@ static haft_status draw_all(const haft_case *c, const haft_laws *laws, const cha
     return status == HAFT_OK ? draw_against(&p, reference, error) : status;
 }
 
-/* What the swept values are multiplied by on the axis, and the unit they are then in. */
+/* The unit of the axis, and the factor that converts the swept values to it. */
 static const char *axis_unit(const char *unit, double greatest, double *factor) {
     bool length = strcmp(unit, "m") == 0, micro = greatest >= 0.9999e-6;
     *factor = !length ? 1 : micro ? 1e6 : 1e9;
     return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
 }
 
-/* A surface such as all variants have, unless they differ in it: Figs. 3 and 11. */
+/* Draws a surface that all variants have in common, as Figs. 3 and 11. Draws none if a key of the
+ * surface is swept. */
 static haft_status draw_shared_surface(const haft_case *c, const char *folder, haft_error *error) {
     for (size_t k = 0; k < c->sweep.keys; k++) {
         if (strncmp(c->sweep.key[k], "surface.", strlen("surface.")) == 0) {
@@ -121,7 +123,7 @@ static haft_status draw_shared_surface(const haft_case *c, const char *folder, h
     return status == HAFT_OK ? draw_script("psd", folder, c->title, definitions, error) : status;
 }
 
-/* Of a sweep over the humidity: Figs. 4b and 21, and 20 where forces are taken one by one. */
+/* Draws a sweep over the humidity: Fig. 4b; and Fig. 21, or Fig. 20 if the forces are swept too. */
 static haft_status draw_humidity(const haft_case *c, const char *folder, const char *definitions,
                                  haft_error *error) {
     const struct haft_case_sweep *sweep = &c->sweep;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Running gnuplot on the scripts of tools/plot: figures are drawn aside, checked, and then put in
- * their place, so that a figure is the new one, whole, or the old. */
+/* Runs gnuplot on the scripts of tools/plot. Figures are drawn in a folder of their own, checked,
+ * and then moved into place, so a figure is either the complete new one or the old one. */
 #include "gnuplot.h"
 
 #include <dirent.h>
@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* The plot scripts lie beside an installed program, or in the source it was built from. */
+/* Finds the plot scripts: beside the installed program, or in the source it was built from. */
 static void find_scripts(char path[PATH_CAPACITY]) {
     char program[PATH_CAPACITY];
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
@@ -30,10 +30,11 @@ static void find_scripts(char path[PATH_CAPACITY]) {
     snprintf(path, PATH_CAPACITY, "%s", places[access(places[0], R_OK) == 0 ? 0 : 1]);
 }
 
-/* ---- the figures drawn ---- */
+/* ---- checking and moving figures ---- */
 
-/* gnuplot says nothing of writes that fail, as on a full disk, so the files themselves are looked
- * at: a PNG is its signature and chunks up to IEND, an SVG ends as it began. */
+/* gnuplot reports no failed writes, as on a full disk, so the files themselves are checked. A
+ * complete PNG has its signature and chunks up to IEND; a complete SVG ends with its closing tag.
+ */
 static bool is_whole_png(const unsigned char *data, size_t size) {
     size_t at = 8;
     if (size < at || memcmp(data, "\x89PNG\r\n\x1a\n", at) != 0) {
@@ -87,7 +88,7 @@ static int is_figure(const struct dirent *entry) {
     return dot != NULL && (strcmp(dot, ".png") == 0 || strcmp(dot, ".svg") == 0);
 }
 
-/* Does one thing to each figure of the draft: checks it, puts it in its place, removes it. */
+/* What to do with each figure of the draft: check it, move it into place, or remove it. */
 typedef enum deed { CHECK, PLACE, REMOVE } deed;
 
 static haft_status treat_figure(deed what, const char *draft, const char *folder, const char *name,
@@ -140,7 +141,7 @@ static haft_status wait_for(pid_t child, const char *script, haft_error *error) 
     return HAFT_OK;
 }
 
-/* Runs gnuplot on one script inside the folder of the figures. */
+/* Runs gnuplot on one script in the folder of the figures. */
 static haft_status run(const char *script, const char *folder, char *definitions,
                        haft_error *error) {
     char path[PATH_CAPACITY + 64];
@@ -169,7 +170,7 @@ static haft_status run(const char *script, const char *folder, char *definitions
     return wait_for(child, script, error);
 }
 
-/* Draws into a folder of its own in `folder`, `draft`, and moves whole figures out of it. */
+/* Draws into the folder `draft` inside `folder`, and moves complete figures out of it. */
 static haft_status draw(const char *script, const char *folder, const char *draft,
                         const char *definitions, haft_error *error) {
     const char *leaf = draft + strlen(folder) + 1;
@@ -204,8 +205,8 @@ haft_status give_text(const char *variable, const char *text, haft_error *error)
 }
 
 static haft_status set_environment(const char *title, const char *scripts, haft_error *error) {
-    bool good = setenv("GNUPLOT_LIB", scripts, 1) == 0 && /* where they find style.gp */
-                setenv("LC_ALL", "C.UTF-8", 1) == 0;      /* the same figures in any locale */
+    bool good = setenv("GNUPLOT_LIB", scripts, 1) == 0 && /* where scripts find style.gp */
+                setenv("LC_ALL", "C.UTF-8", 1) == 0;      /* same figures in any locale */
     return good ? give_text("HAFT_TITLE", title, error)
                 : haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for gnuplot");
 }

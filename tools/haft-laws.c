@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft-laws: builds the force laws of a case or fits its model to vectors measured elsewhere, says
- * what they are like, and draws from the model. */
+/* haft-laws: builds the force laws of a case, or fits its stochastic model to law vectors measured
+ * elsewhere; prints their statistics, and draws law vectors from the model. */
 #include "inspect.h"
 #include "laws_report.h"
 #include "terminal.h"
@@ -76,7 +76,7 @@ static const struct argp_option OPTIONS[] = {
     {"threads", KEY_THREADS, "N", 0, "build: use N threads (default: all cores)", 0},
     {0}};
 
-/* The words of inspect's options, in the order of their keys. */
+/* Where inspect's options put their words, in the order of their keys. */
 static const char **map_word(inspect_words *map, int key) {
     const char **const words[] = {&map->channel, &map->level,        &map->window,
                                   &map->missing, &map->outliers,     &map->size,
@@ -135,7 +135,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
     }
 }
 
-/* Refuses to replace laws, and makes the folder they go into. */
+/* Refuses to replace existing laws, and makes the folder for new ones. */
 static haft_status prepare(const arguments *a, const char *path, haft_error *error) {
     if (!a->force && access(path, F_OK) == 0) {
         return haft_error_set(error, HAFT_ERROR_EXISTS,
@@ -174,7 +174,7 @@ static haft_status fit(haft_laws **laws, const haft_case *c, const arguments *a,
     return status == HAFT_OK ? save(*laws, c, a, path, error) : status;
 }
 
-/* The laws, if they are those of the case as it stands. */
+/* Reads the laws, if they are those of the present case. */
 static haft_status read_own(haft_laws **laws, const haft_case *c, const char *path,
                             haft_error *error) {
     char found[HAFT_DIGEST_CAPACITY], wanted[HAFT_DIGEST_CAPACITY];
@@ -222,7 +222,7 @@ static command find_command(const arguments *a) {
     return COMMANDS;
 }
 
-/* @return false after saying what is wrong with the words of the command line */
+/* @return false, after a message, if the options do not fit the command */
 static bool can_be_meant(const arguments *a, command what) {
     if (what == COMMANDS) {
         terminal_print(stderr,
@@ -265,7 +265,8 @@ int main(int argc, char **argv) {
     static const struct argp program = {OPTIONS, parse, "COMMAND CASE [TABLE]", DOC, NULL,
                                         NULL,    NULL};
     arguments a = {0};
-    if (argp_parse(&program, argc, argv, 0, NULL, &a) != 0) { /* what is wrong in `argv` ends it */
+    if (argp_parse(&program, argc, argv, 0, NULL, &a) !=
+        0) { /* argp_parse() exits on wrong usage */
         fputs("haft-laws: out of memory\n", stderr);
         return EXIT_INTERNAL;
     }

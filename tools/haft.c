@@ -32,15 +32,15 @@ enum {
 };
 
 typedef struct arguments {
-    const char *command, *folder, *against; /* the first folder; NULL where there is no reference */
+    const char *command, *folder, *against; /* folder is the first; against may be NULL */
     char *folders[FOLDERS_MAX];
-    size_t count; /* of them */
+    size_t count; /* number of folders */
     const char *output;
     bool force, quiet, json;
     haft_shard shard; /* {0}: all */
     int threads;
-    long realization; /* -1: the first that left evidence */
-    long beams;       /* a term of the budget, or a study's; 0: as many as usual */
+    long realization; /* -1: the first with evidence */
+    long beams;       /* of each term of a budget, or of a study; 0: the default */
     init_words init;
 } arguments;
 
@@ -166,7 +166,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 
 /* ---- check ---- */
 
-/* What the readers of the maps had to assume. */
+/* Prints what the readers of the maps assumed. */
 static void print_notes(const haft_case_files *files, const haft_map_set *maps) {
     for (size_t k = 0; k < maps->count; k++) {
         if (maps->map[k]->note[0] != '\0') {
@@ -175,7 +175,7 @@ static void print_notes(const haft_case_files *files, const haft_map_set *maps) 
     }
 }
 
-/* The form that stands for maps, beside them. */
+/* Compares the fitted form that replaces the maps with the maps. */
 static void print_fit(const haft_case *c) {
     const haft_psd_fit *fit = &c->surface.fit;
     double own = c->surface.map_rms;
@@ -215,7 +215,7 @@ static void print_roughness(const char *label, double m0, double length, const h
            psd->zeta_max * 1e-6);
 }
 
-/* Both forms of the PSD; of one by points, those of its fit. */
+/* Prints both forms of the PSD; if it is given by points, those of its fit. */
 static void print_psd(const haft_case *c) {
     const haft_psd_table *table = c->surface.table;
     haft_psd_fit fit = {.psd = c->surface.psd};
@@ -313,7 +313,7 @@ enum { INIT, CHECK, RUN, RESUME, MERGE, PLOT, INFO, REPORT, BUDGET, COMPARE, COM
 static const char *const commands[COMMANDS] = {"init", "check", "run",    "resume", "merge",
                                                "plot", "info",  "report", "budget", "compare"};
 
-/* What only one case has is refused where there is a sweep. */
+/* Refuses a command that works on one case only, where the case has a sweep. */
 static int refuse_sweep(const haft_case *c, const arguments *a, terminal *t) {
     haft_error error = {0};
     if (haft_study_rank() != 0) {
@@ -358,7 +358,7 @@ static int do_command(size_t command, const haft_case *c, const arguments *a, te
     }
 }
 
-/* Of several ranks, 0 alone speaks, and does alone what is no run. */
+/* With several ranks, only rank 0 prints, and it alone does the commands that are not runs. */
 static int start(const arguments *a, terminal *t) {
     bool leads = haft_study_rank() == 0;
     size_t command = 0;
@@ -434,7 +434,7 @@ int main(int argc, char **argv) {
         return EXIT_INTERNAL;
     }
     if (fault != 0) {
-        return EXIT_OK; /* rank 0 says what is wrong */
+        return EXIT_OK; /* rank 0 reports the error */
     }
     terminal t;
     terminal_open(&t, "haft", a.quiet);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft init: its options, what they mean, and what is said of the case made. */
+/* haft init: reads its options, and prints what was assumed of the new case. */
 #include "init.h"
 
 #include <math.h>
@@ -7,11 +7,11 @@
 
 enum { BEAMS_STANDARD = 50, SIDES = 3, SIDE_CAPACITY = 100 };
 
-/* What is assumed where no option says otherwise. */
+/* Defaults of the options. */
 static const char BEAM_STANDARD[] = "300 um x 20 um x 2 um", GAP_STANDARD[] = "2 um",
                   HUMIDITY_STANDARD[] = "50 %";
 
-/* Shortest waves without --zeta-max: a tenth of the correlation length. */
+/* Shortest wave without --zeta-max: a tenth of the correlation length. */
 static const double WAVES_A_LENGTH = 10;
 
 enum {
@@ -99,7 +99,7 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 
 const struct argp init_options = {options, parse, NULL, NULL, NULL, NULL, NULL};
 
-/* ---- what they mean ---- */
+/* ---- understanding the options ---- */
 
 static haft_status read_quantity(double *value, const haft_units *units, const char *option,
                                  const char *text, const char *unit, const char *example,
@@ -117,7 +117,7 @@ static haft_status read_quantity(double *value, const haft_units *units, const c
     return HAFT_OK;
 }
 
-/* "300 um x 20 um x 2 um" */
+/* Reads "300 um x 20 um x 2 um". */
 static haft_status read_beam(init_plan *p, const haft_units *units, const char *text,
                              haft_error *error) {
     double *const side[SIDES] = {&p->length, &p->width, &p->thickness};
@@ -164,7 +164,7 @@ static haft_status read_humidity(init_plan *p, const haft_units *units, const ch
     return HAFT_OK;
 }
 
-/* rms, correlation length and Hurst exponent, all three or none. */
+/* Reads rms, correlation length and Hurst exponent: all three or none. */
 static haft_status read_roughness(init_plan *p, const haft_units *units, haft_error *error) {
     const init_words *w = p->words;
     bool all = w->rms != NULL && w->correlation_length != NULL && w->hurst != NULL;
@@ -223,7 +223,7 @@ haft_status init_understand(init_plan *p, const init_words *words, const char *f
     return status;
 }
 
-/* ---- what is said ---- */
+/* ---- printing ---- */
 
 static void tell(const init_plan *p, terminal *t) {
     const init_words *w = p->words;
