@@ -5,8 +5,7 @@
 
 #include "terminal.h"
 
-/* Prints how far the crack lengths of CASE are from those of the reference. @return the exit code
- */
+/* Prints how the crack lengths of CASE differ from the reference's. @return the exit code */
 int tell_against(const haft_case *c, const char *case_folder, const char *reference, bool json,
                  terminal *t);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft compare: compares the statistics of each case with those of the first, and draws their
+/* haft compare: compares the statistics of each case with those of the first, and draws the
  * distributions. */
 #include "compare.h"
 
@@ -266,8 +266,7 @@ static haft_status save_distributions(const entries *all, const char *directory,
         }
         qsort(length, stuck, sizeof *length, by_size);
         double followed = (double)(e->statistics.stuck + e->statistics.free);
-        for (size_t k = 0; k <= stuck && stuck > 0;
-             k++) { /* k = 0: the distribution starts at zero */
+        for (size_t k = 0; k <= stuck && stuck > 0; k++) { /* row 0: the start, share zero */
             double row[3] = {(double)i, length[k > 0 ? k - 1 : 0] * 1e6, (double)k / followed};
             memcpy(flat + 3 * n++, row, sizeof row);
         }
