@@ -108,8 +108,8 @@ static const char *axis_unit(const char *unit, double greatest, double *factor) 
     return !length ? (strcmp(unit, "1") == 0 ? "" : unit) : micro ? "µm" : "nm";
 }
 
-/* Draws a surface that all variants have in common, as Figs. 3 and 11. Draws none if a key of the
- * surface is swept. */
+/* Draws a surface that all variants have in common (Figs. 3 and 11 of the paper). Draws none if a
+ * key of the surface is swept. */
 static haft_status draw_shared_surface(const haft_case *c, const char *folder, haft_error *error) {
     for (size_t k = 0; k < c->sweep.keys; k++) {
         if (strncmp(c->sweep.key[k], "surface.", strlen("surface.")) == 0) {
@@ -123,7 +123,8 @@ static haft_status draw_shared_surface(const haft_case *c, const char *folder, h
     return status == HAFT_OK ? draw_script("psd", folder, c->title, definitions, error) : status;
 }
 
-/* Draws a sweep over the humidity: Fig. 4b; and Fig. 21, or Fig. 20 if the forces are swept too. */
+/* Draws a sweep over the humidity: Fig. 4b of the paper; and Fig. 21, or Fig. 20 if the forces are
+ * swept too. */
 static haft_status draw_humidity(const haft_case *c, const char *folder, const char *definitions,
                                  haft_error *error) {
     const struct haft_case_sweep *sweep = &c->sweep;

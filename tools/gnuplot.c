@@ -33,8 +33,7 @@ static void find_scripts(char path[PATH_CAPACITY]) {
 /* ---- checking and moving figures ---- */
 
 /* gnuplot reports no failed writes, as on a full disk, so the files themselves are checked. A
- * complete PNG has its signature and chunks up to IEND; a complete SVG ends with its closing tag.
- */
+ * complete PNG is its signature and chunks up to IEND; a complete SVG ends with its closing tag. */
 static bool is_whole_png(const unsigned char *data, size_t size) {
     size_t at = 8;
     if (size < at || memcmp(data, "\x89PNG\r\n\x1a\n", at) != 0) {

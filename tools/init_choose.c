@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What haft init chooses. Grid and patches follow the surface's shortest wave and the beam's sides,
- * which they must divide. Distances and load follow the force curves of a few trial patches, since
- * how far surfaces push and pull is a matter of roughness, humidity and stiffness together. */
+/* What haft init chooses. Grid and patches follow from the surface's shortest wave and the sides of
+ * the beam, which they must divide. Distances and load follow from the force curves of a few trial
+ * patches, since the range of push and pull depends on roughness, humidity and stiffness
+ * together. */
 #include "init.h"
 #include "inspect_print.h"
 
 #include <math.h>
 
-/* Grid points of all patches together, by which their number follows from their size. */
+/* Most grid points of all patches together, which limits the number of patches; and most points of
+ * one patch on a fine grid. */
 static const double POINTS_MOST = 4e8, POINTS_A_PATCH = 1.2e7;
 enum { PATCHES_LEAST = 20, PATCHES_MOST = 200, TRIALS = 6, TRIAL_DISTANCES = 160 };
 enum { SITES_LEAST = 10, SITES_MOST = 10000, PATCH_LATTICE_LEAST = 8, DISTANCES = 240 };
@@ -85,8 +87,8 @@ static bool divides(double part, double whole) {
     return ratio >= 1 - DIVIDES && fabs(ratio - round(ratio)) <= DIVIDES * ratio;
 }
 
-/* The part of the beam nearest to `wished` (as a ratio) that is whole lattice steps; 0 if none is
- * near. */
+/* Finds the patch length nearest to `wished` (as a ratio) that divides the beam and is a whole
+ * number of lattice steps; 0 if none is near. */
 static double find_patch(const init_plan *p, double lattice, double wished) {
     double steps = round(p->length / lattice), best = 0;
     for (double sites = SITES_LEAST; sites <= SITES_MOST && sites <= steps; sites++) {
@@ -99,7 +101,8 @@ static double find_patch(const init_plan *p, double lattice, double wished) {
     return best > 0 && fabs(log(best / wished)) < log(8) ? best : 0;
 }
 
-/* The coarsest plain step up to `most` whose lattice divides the beam's width and its patches. */
+/* Finds the coarsest step of a plain number, up to `most`, whose lattice divides the beam's width
+ * and its patches. */
 static bool fit_grid(init_plan *p, double most) {
     haft_psd psd = {.zeta_max = p->zeta_max};
     double wished = fmin(fmax(PATCH_STANDARD, 4 * p->correlation_length), p->length / 20);
@@ -124,7 +127,7 @@ static double points_of(const init_plan *p) {
     return p->l_meso / p->grid_step * (p->width / p->grid_step);
 }
 
-/* Four points a shortest wave, or two where that would take too many. */
+/* Chooses four grid points for each shortest wave, or two if four would make a patch too large. */
 static haft_status choose_grid(init_plan *p, haft_error *error) {
     double coarse = M_PI / p->zeta_max;
     bool found = fit_grid(p, 0.5 * coarse);
@@ -148,7 +151,7 @@ static haft_status choose_grid(init_plan *p, haft_error *error) {
 
 /* ---- distances and load, by trial patches ---- */
 
-/* The least tolerance by which the surfaces' kernel is not too long to be had. */
+/* Chooses the least tolerance at which the kernel of the surfaces is short enough to be used. */
 static haft_status choose_tolerance(init_plan *p, const haft_case *c, haft_error *error) {
     static const double tolerances[] = {0, 1e-4, 1e-3, 1e-2};
     haft_case trial = *c;
@@ -168,11 +171,11 @@ static haft_status choose_tolerance(init_plan *p, const haft_case *c, haft_error
 }
 
 typedef struct reach {
-    double pushed; /* least distance at which a curve still pushes twice as hard as it pulls [m],
-                      -INFINITY if it does nowhere */
-    double ended;  /* greatest at which one still pulls or pushes [m] */
-    double energy; /* mean of what closing takes [J/m^2] */
-    bool open;     /* a curve has not died away at its last */
+    double pushed; /* least distance at which a curve still pushes twice as hard as it pulls [m];
+                      -INFINITY if one never does */
+    double ended;  /* greatest distance at which a curve still pulls or pushes [m] */
+    double energy; /* mean energy of the pull [J/m^2] */
+    bool open;     /* a curve has not vanished at its last distance */
 } reach;
 
 static void look_at_curve(reach *r, const haft_laws *laws, const double *force) {
@@ -195,7 +198,7 @@ static void look_at_curve(reach *r, const haft_laws *laws, const double *force) 
     r->open = r->open || last + 1 == laws->n;
 }
 
-/* Curves of a few patches. */
+/* Computes the curves of a few patches. */
 static haft_status try_patches(reach *r, const init_plan *p, const haft_case *c, double from,
                                double to, haft_error *error) {
     haft_case trial = *c;
@@ -220,11 +223,12 @@ static haft_status try_patches(reach *r, const init_plan *p, const haft_case *c,
     return status;
 }
 
-/* Where curves begin and end. Few reach below their least pushing distance by more than this many
- * rms, and few beyond their end: with extremes of many patches in mind, from those of a few. */
+/* Margin at both ends of the distances, in rms. Few of the many patches of a case push or pull
+ * farther than this beyond the extremes of the few trial patches. */
 static const double ROOM = 1.5;
 
-/* From where patches surely push, from the mean planes' touch if need be, to where all is over. */
+/* Finds distances that cover the curves: from where all patches push, if need be from where the
+ * mean planes touch, to where all forces have vanished. */
 static haft_status find_reach(reach *r, const init_plan *p, const haft_case *c, haft_error *error) {
     haft_contact_spec spec;
     haft_status status = haft_study_contact_spec(&spec, c, error);
@@ -241,7 +245,8 @@ static haft_status find_reach(reach *r, const init_plan *p, const haft_case *c, 
     return status;
 }
 
-/* Plain numbers around what the curves reach, with room for patches higher and lower than these. */
+/* Chooses plain numbers around the distances that the curves cover, with a margin for higher and
+ * lower patches than these. */
 static haft_status choose_distances(init_plan *p, const reach *r, haft_error *error) {
     static const double plain[] = {1, 2, 2.5, 5, 10};
     if (isinf(r->pushed)) {
@@ -270,9 +275,10 @@ static haft_status choose_distances(init_plan *p, const reach *r, haft_error *er
     return HAFT_OK;
 }
 
-/* The crack that the adhesion holds, of a clamped beam in an S shape: gamma = 3/2 E t^3 h^2 / s^4.
- * The beam is pressed down to a little more than half of that, or to three quarters of its length,
- * so that what is left is what it peels back to. */
+/* Chooses the load from the crack length that the adhesion can keep, for a clamped beam in an S
+ * shape: gamma = 3/2 E t^3 h^2 / s^4. The beam is pressed down to a little more than half of that
+ * length, but at most to three quarters of its own, so the crack at rest is the one that the beam
+ * peels back to. */
 static void choose_load(init_plan *p, const haft_case *c, double energy) {
     p->adhesion = energy;
     p->expected =
@@ -292,7 +298,7 @@ haft_status init_choose(init_plan *p, haft_error *error) {
     if (status != HAFT_OK) {
         return status;
     }
-    p->step = p->rms; /* stand-ins, until there are curves */
+    p->step = p->rms; /* placeholders until the curves are known */
     p->to = 30 * p->rms;
     p->crack_length = 0.75 * p->length;
     p->position = 0.3 * p->length;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The text of the case that haft init makes, and its folder. The case is read back before anything
- * is written, from a file without a name; a folder that cannot be made whole is taken away again.
- */
+/* Writes the text of the case that haft init makes, and its folder. Before that, the case is
+ * written to an unnamed temporary file and read back. A folder that cannot be completed is removed
+ * again. */
 #include "init.h"
 #include "inspect_print.h"
 
@@ -17,8 +17,8 @@ enum { COPY_CAPACITY = 300 };
 
 /* ---- names ---- */
 
-/* What the copy of a map is called: its own name, numbered where two maps have the same or one is
- * a name that means something in a case's folder. */
+/* The name of a map's copy: the map's own name. It gets a number if two maps have the same name, or
+ * if the name has a meaning in a case folder. */
 static void name_copy(char name[COPY_CAPACITY], const init_words *w, size_t k) {
     const char *path = k < w->maps ? w->map[k] : w->opposite_map[k - w->maps];
     const char *slash = strrchr(path, '/'), *base = slash != NULL ? slash + 1 : path;
@@ -35,7 +35,7 @@ static void name_copy(char name[COPY_CAPACITY], const init_words *w, size_t k) {
     snprintf(name, COPY_CAPACITY, "%s%.255s", number, base);
 }
 
-/* The case's name: the folder's, of letters that a name may have. */
+/* The name of the case: that of the folder, with '-' for each character that a name cannot have. */
 static void name_case(char name[HAFT_NAME_CAPACITY], const char *folder) {
     char *whole = realpath(folder, NULL);
     const char *path = whole != NULL ? whole : folder;
@@ -58,9 +58,9 @@ static void name_case(char name[HAFT_NAME_CAPACITY], const char *folder) {
     free(whole);
 }
 
-/* ---- the text ---- */
+/* ---- text ---- */
 
-/* The paths to be written: whole ones or those of copies; freed by free_paths(). */
+/* Makes the paths to write: absolute ones, or those of the copies. Free them with free_paths(). */
 static haft_status make_paths(char **path, const init_words *w, bool absolute, haft_error *error) {
     for (size_t k = 0; k < w->maps + w->opposite_maps; k++) {
         const char *given = k < w->maps ? w->map[k] : w->opposite_map[k - w->maps];
@@ -83,7 +83,7 @@ static void free_paths(char **path, const init_words *w) {
     }
 }
 
-/* "  key: value          # comment" */
+/* Writes " key: value # comment". */
 static void write_line(FILE *stream, const char *comment, const char *format, ...)
     HAFT_PRINTF(3, 4);
 
@@ -184,7 +184,7 @@ haft_status init_write_case(FILE *stream, const init_plan *p, bool absolute, haf
     return status;
 }
 
-/* The text in memory, to be freed with free(). */
+/* Makes the text in memory. Free it with free(). */
 static haft_status make_text(char **text, size_t *size, const init_plan *p, bool absolute,
                              haft_error *error) {
     *text = NULL;
@@ -203,7 +203,7 @@ static haft_status make_text(char **text, size_t *size, const init_plan *p, bool
     return status;
 }
 
-/* Says of a message about the nameless file what it is about. */
+/* Replaces the name of the temporary file in a message by what the message is about. */
 static haft_status tell_refusal(haft_status status, const haft_error *own, const char *path,
                                 haft_error *error) {
     const char *text = own->message;
@@ -240,7 +240,7 @@ haft_status init_try(haft_case **c, const init_plan *p, haft_error *error) {
     return status;
 }
 
-/* ---- the folder ---- */
+/* ---- folder ---- */
 
 haft_status init_find_room(const char *folder, haft_error *error) {
     char path[PATH_CAPACITY];
@@ -257,7 +257,7 @@ haft_status init_find_room(const char *folder, haft_error *error) {
     return status;
 }
 
-/* A copy of map k; one that is there already, byte by byte the same, will do. */
+/* Copies map k. An existing file with the same bytes is kept. */
 static haft_status copy_map(bool *made, const init_plan *p, size_t k, haft_error *error) {
     const init_words *w = p->words;
     const char *from = k < w->maps ? w->map[k] : w->opposite_map[k - w->maps];
@@ -292,7 +292,8 @@ static void remove_copy(const init_plan *p, size_t k) {
     }
 }
 
-/* case.yaml last, and read back, so that it stands for a case that can be used. */
+/* Writes case.yaml last, and reads it back, so that its existence means that the case can be
+ * used. */
 static haft_status put_case(const init_plan *p, haft_error *error) {
     char *text = NULL, path[PATH_CAPACITY];
     size_t size = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a height map holds: read, cleaned as a case would, its statistics, spectrum and figures. */
+/* Inspects a height map: reads it, cleans it as a case would, and prints and draws its statistics
+ * and spectrum. */
 #include "inspect.h"
 #include "gnuplot.h"
 #include "inspect_print.h"
@@ -15,18 +16,18 @@ enum { BINS = 60, DRAWN_MOST = 512 };
 
 typedef inspect_wishes wishes;
 
-/* What was found. */
+/* What inspect found. */
 typedef struct findings {
     haft_map *map;
     haft_clean_facts clean;
     haft_map_statistics statistics;
     haft_map_texture texture;
     haft_psd_table *psd;
-    haft_psd_moments moments; /* of the table, up to the limit */
-    double limit;             /* of the tip [rad/m] */
+    haft_psd_moments moments; /* of the PSD table, up to the tip's limit */
+    double limit;             /* of the tip [rad/m]; INFINITY without one */
     bool fitted;
     haft_psd_fit fit;
-    haft_error why_not; /* no spectrum, or no fit */
+    haft_error why_not; /* why there is no PSD, or no fit */
 } findings;
 
 static const char *const levels[] = {"mean", "plane", "quadratic", "lines", NULL};
@@ -84,8 +85,8 @@ haft_status inspect_read_words(inspect_wishes *w, const inspect_words *words, ha
     return status;
 }
 
-/* What a map does not give is told where it would be; but that there is no memory is no property of
- * the map. */
+/* Lets inspect go on without a PSD or a fit: the report says why there is none. Lack of memory is
+ * an error all the same, since it says nothing about the map. */
 static haft_status pass_on_memory(haft_status status, const haft_error *why_not,
                                   haft_error *error) {
     return status == HAFT_ERROR_MEMORY ? haft_error_set(error, status, "%s", why_not->message)
@@ -126,7 +127,7 @@ static void print_moments(const char *label, haft_psd_moments m) {
            gw.summit_deviation * 1e9);
 }
 
-/* Where the map stops telling the surface, and why. */
+/* Prints up to which wave number the map represents the surface, and why. */
 static void print_limits(const haft_psd_fit *fit) {
     printf("    fitted to %zu rings from %.4g to %.4g rad/um\n", fit->rings, fit->from * 1e-6,
            fit->to * 1e-6);
@@ -250,7 +251,7 @@ static void print_findings(const char *path, const findings *f, const wishes *w)
 
 /* ---- figures ---- */
 
-/* Every so many pixels, as columns of x, y and z. */
+/* Saves every n-th pixel as columns x, y and z. */
 static haft_status save_heights(const haft_map *map, const char *folder, haft_error *error) {
     size_t stride = (map->rows > map->columns ? map->rows : map->columns) / DRAWN_MOST + 1;
     size_t rows = (map->rows + stride - 1) / stride, columns = (map->columns + stride - 1) / stride;
@@ -346,7 +347,7 @@ static haft_status draw_findings(const char *path, const findings *f, const char
     return status;
 }
 
-/* The map as a case takes it, at the very end, so that it can be cut off there. */
+/* Prints the map as the surface section of a case. This comes last, so that it can be cut off. */
 static haft_status print_block(const char *path, const findings *f, const wishes *w,
                                haft_error *error) {
     if (f->psd == NULL) {

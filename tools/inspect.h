@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft-laws inspect: what a height map holds. */
+/* haft-laws inspect: prints and draws what a height map holds. */
 #ifndef HAFT_TOOLS_INSPECT_H
 #define HAFT_TOOLS_INSPECT_H
 
@@ -11,18 +11,19 @@ typedef struct inspect_words {
         *tip_radius;
 } inspect_words;
 
-/* What they mean. */
+/* The options, understood. */
 typedef struct inspect_wishes {
     haft_map_options options;
     haft_clean_spec clean;
     haft_window window;
-    double tip_radius; /* [m], 0: none */
+    double tip_radius; /* [m]; 0: none */
 } inspect_wishes;
 
-/* Understands the words; where one is no option's, the message names it and what would do. */
+/* Reads the options. If one has a wrong value, the message names the option and its valid
+ * values. */
 haft_status inspect_read_words(inspect_wishes *w, const inspect_words *words, haft_error *error);
 
-/* Reads the map, prints what it is like, and draws it into `folder` (NULL: MAP's name with
+/* Reads the map, prints its properties, and draws it into `folder` (NULL: MAP's name with
  * ".inspect", in the working directory). */
 haft_status inspect_map(const char *path, const inspect_words *words, const char *folder,
                         bool quiet, haft_error *error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* ISO 25178's names and a case's `surface` section of a map. */
+/* Prints the parameters of ISO 25178, and a map as the `surface` section of a case. */
 #include "inspect_print.h"
 
 #include <math.h>
@@ -46,7 +46,7 @@ void inspect_print_texture(FILE *stream, const haft_map_texture *t) {
     print_decay(stream, t);
 }
 
-/* ---- the section ---- */
+/* ---- surface section ---- */
 
 double inspect_grid_step(double zeta_max) {
     static const double plain[] = {7.5, 6, 5, 4, 3, 2.5, 2, 1.5, 1};
@@ -56,7 +56,7 @@ double inspect_grid_step(double zeta_max) {
             return plain[i] * power * 1e-9;
         }
     }
-    return power * 1e-9; /* not reached: 1 fits */
+    return power * 1e-9; /* not reached, since 1 always fits */
 }
 
 static haft_status print_texts(FILE *stream, const char *key, const char *const *text, size_t n,
@@ -97,7 +97,7 @@ static void print_options(FILE *stream, const inspect_wishes *w) {
     }
 }
 
-/* The fit, to be had by taking the marks off and the map away. */
+/* Prints the fit as comments. To use it, remove the comment signs and the keys of the map. */
 static void print_fit_form(FILE *stream, const haft_psd_fit *fit) {
     const haft_psd *p = &fit->psd;
     double hurst = haft_psd_get_hurst(p);

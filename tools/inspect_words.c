@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities in the options of haft-laws inspect. */
+/* Reads quantities from the options of haft-laws inspect. */
 #include "inspect_words.h"
 
 #include <stdio.h>
@@ -27,7 +27,7 @@ haft_status words_read_length(double *value, const haft_units *units, const char
     return HAFT_OK;
 }
 
-/* The sign between width and height; *n is its bytes. NULL if there is none. */
+/* Finds the sign between width and height; *n is its length in bytes. NULL if there is none. */
 static const char *find_cross(const char *text, size_t *n) {
     static const char TIMES[] = "\xc3\x97";
     size_t at = strcspn(text, "xX*");
@@ -37,7 +37,7 @@ static const char *find_cross(const char *text, size_t *n) {
     return first ? times : text[at] != '\0' ? text + at : NULL;
 }
 
-/* What stands behind the number that a text begins with, without the blanks between. */
+/* Skips the number at the beginning of a text, and the blanks before and after it. */
 static const char *skip_number(const char *text) {
     double number = 0;
     size_t n = 0, blank;

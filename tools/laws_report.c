@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What haft-laws says of a set of laws: how its numbers spread, and how good its model is. */
+/* Prints the statistics of a set of laws and the errors of its stochastic model. */
 #include "laws_report.h"
 
 #include <math.h>
 #include <stdio.h>
 
-/* Spread of one number over the laws that have it. */
+/* Mean, deviation and range of one number over the laws that have it. */
 typedef struct spread {
     size_t n;
     double mean, deviation, least, greatest;
@@ -23,7 +23,7 @@ static void take(spread *s, double value) {
     s->greatest = s->n == 1 ? value : fmax(s->greatest, value);
 }
 
-/* One line: ours, and the reference's range where the case gives one. */
+/* Prints one line: Haft's numbers, and the reference's range if the case gives one. */
 static void print_spread(const char *label, spread s, double unit, const double reference[2]) {
     double deviation = s.n > 1 ? sqrt(s.deviation / (double)(s.n - 1)) : NAN;
     printf("  %-30s %9.4g %9.3g %9.4g %9.4g", label, s.mean * unit, deviation * unit,
@@ -67,8 +67,8 @@ static void print_vectors(const haft_laws *laws) {
     print_spread("limit distance d_limit [nm]", v[3], 1e9, NULL);
 }
 
-/* The pull of those curves that are kept, Morse law or not, and what the Morse laws leave of it;
- * nothing where vectors came without. */
+/* Prints the energy of all stored curves, with or without a Morse law, and the misfit of the Morse
+ * laws. Prints nothing if the laws were made of vectors without curves. */
 static void print_curves(const haft_laws *laws) {
     spread misfit = {0}, energy = {0};
     for (size_t k = 0; k < laws->m; k++) {
@@ -88,7 +88,7 @@ static void print_curves(const haft_laws *laws) {
     }
 }
 
-/* One number of each component, a row. */
+/* Prints one number of each component in a row. */
 static void print_row(const char *label, const double *value, size_t n, size_t stride,
                       const char *format) {
     printf("  %-44s", label);
@@ -172,7 +172,7 @@ void print_laws(const haft_laws *laws, const haft_case *c) {
     }
 }
 
-/* ---- the study of a model ---- */
+/* ---- study of the model ---- */
 
 static void print_each(const double *value, size_t n, double unit, const char *format) {
     for (size_t j = 0; j < n; j++) {

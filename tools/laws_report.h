@@ -4,10 +4,11 @@
 
 #include "haft/study.h"
 
-/* Prints what a set of laws is like, beside the case's references, and its model's errors. */
+/* Prints the statistics of a set of laws, beside the case's references, and the errors of its
+ * model. */
 void print_laws(const haft_laws *laws, const haft_case *c);
 
-/* Studies the model in its order and in its vectors, and prints what comes of it. */
+/* Studies how the model depends on its order and its vectors, and prints the results. */
 haft_status print_study(const haft_laws *laws, const haft_case *c, haft_error *error);
 
 #endif

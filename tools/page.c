@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HTML without any other file: the policy in its head forbids the browser to fetch one. Pictures
- * stay on white in the dark scheme, as their colours are meant for it. */
+/* Writes HTML that needs no other file; the policy in its head forbids the browser to fetch one.
+ * Pictures keep a white background in the dark scheme, since their colours are made for it. */
 #include "page.h"
 
 #include "haft/io.h"
@@ -74,8 +74,8 @@ haft_status page_open(page *p, const char *title, haft_error *error) {
     return HAFT_OK;
 }
 
-/* The one door into the page. A memory stream that cannot grow tells it here, and not always later:
- * page_store() passes it on. */
+/* All output to the page goes through here. If the memory stream cannot grow, fwrite() reports it
+ * here and perhaps never again; so the failure is kept for page_store(). */
 static void put(page *p, const char *text, size_t size) {
     p->failed |= fwrite(text, 1, size, p->stream) != size;
 }
@@ -84,7 +84,8 @@ void page_markup(page *p, const char *markup) {
     put(p, markup, strlen(markup));
 }
 
-/* Line breaks stay, as a resolved case has them; all else that cannot be shown is spelled out. */
+/* Keeps line breaks, which a resolved case has; other characters that cannot be shown are spelled
+ * out. */
 static void write_escaped(page *p, const char *text) {
     size_t left = strlen(text);
     while (left > 0) {
@@ -169,7 +170,7 @@ static void write_base64(page *p, const unsigned char *data, size_t size) {
     }
 }
 
-/* Names in one picture must not mean things in another: each gets the picture's number. */
+/* Numbers the names inside a picture, so that equal names in two pictures do not clash. */
 static void write_svg(page *p, const char *svg) {
     static const char *const opens[] = {"id=\"", "id='", "href=\"#", "href='#", "url(#", "url('#"};
     while (*svg != '\0') {
@@ -224,7 +225,8 @@ bool page_figure(page *p, const char *path, const char *caption) {
 haft_status page_store(page *p, const char *path, haft_error *error) {
     page_markup(p, "</main>\n</body>\n</html>\n");
     bool failed = p->failed || ferror(p->stream) != 0;
-    failed = fclose(p->stream) != 0 || failed || p->text == NULL; /* the last may fail in silence */
+    failed = fclose(p->stream) != 0 || failed ||
+             p->text == NULL; /* fclose() may fail without an error: then text is NULL */
     p->stream = NULL;
     haft_status status =
         failed ? haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for %s", path)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft report: a finished run told to someone who has not met the method. */
+/* haft report: reports a finished run to a reader who does not know the method. */
 #include "report.h"
 
 #include "draw.h"
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* All that the page is made of. */
+/* All data of the page. */
 typedef struct source {
     const haft_case *c;
     const char *folder;
@@ -21,12 +21,12 @@ typedef struct source {
     haft_findings findings;
     haft_budget budget;
     bool has_budget, drawn;
-    const char *no_budget; /* why there is none */
+    const char *no_budget; /* why there is no budget */
     size_t realization;
     char laws_digest[HAFT_DIGEST_CAPACITY], results[PATH_CAPACITY];
 } source;
 
-/* ---- what was asked, and the answer ---- */
+/* ---- question and answer ---- */
 
 static void write_question(page *p, const source *s) {
     const haft_case *c = s->c;
@@ -274,7 +274,7 @@ static void write_budget(page *p, const source *s) {
 /* ---- figures, cost, provenance ---- */
 
 static void write_figures(page *p, const source *s) {
-    enum { ALWAYS, MANY, SEAMLESS, MODEL }; /* when it is drawn */
+    enum { ALWAYS, MANY, SEAMLESS, MODEL }; /* when the figure is drawn */
     static const struct {
         const char *file, *caption;
         int when;
@@ -362,7 +362,7 @@ static void write_provenance(page *p, const source *s) {
     page_element(p, "pre", NULL, "%s", s->view->resolved_case);
 }
 
-/* ---- the whole ---- */
+/* ---- page ---- */
 
 static haft_status read_source(source *s, long asked, haft_error *error) {
     char path[PATH_CAPACITY];
@@ -376,7 +376,7 @@ static haft_status read_source(source *s, long asked, haft_error *error) {
                            s->realization, error);
 }
 
-/* A budget there is, or why there is none. */
+/* Reads the budget, or sets the reason why there is none. */
 static haft_status read_budget(source *s, haft_error *error) {
     char path[PATH_CAPACITY];
     haft_error own = {0};
@@ -413,7 +413,8 @@ int report_case(const haft_case *c, const char *folder, long asked, terminal *t)
     if (status == HAFT_OK) {
         terminal silent = *t;
         silent.quiet = true;
-        s.drawn = draw_case(c, folder, asked, NULL, &silent) == EXIT_OK; /* tells why it is not */
+        s.drawn =
+            draw_case(c, folder, asked, NULL, &silent) == EXIT_OK; /* prints why, if it fails */
         status = write_page(&s, path, &error);
     }
     haft_laws_destroy(&s.laws);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Running a case: where its files lie, what lies beside the results, and what is said of it. */
+/* Runs a case: makes the paths of its files, writes the files beside the results, prints
+ * messages. */
 #include "run.h"
 
 #include "summary_report.h"
@@ -9,7 +10,7 @@ typedef struct runner {
     const char *folder;
 } runner;
 
-/* CASE/out/name, without what a killed run may have left of it. */
+/* Makes the path CASE/out/name, and removes what a killed run may have left of that file. */
 static haft_status companion(char path[PATH_CAPACITY], const char *folder, const char *name,
                              haft_error *error) {
     haft_status status = case_out_path(path, folder, name, error);
@@ -19,7 +20,7 @@ static haft_status companion(char path[PATH_CAPACITY], const char *folder, const
     return status;
 }
 
-/* What lies beside results.h5. */
+/* Saves the files beside results.h5. */
 static haft_status save_companions(void *user, const haft_summary *summary, const haft_laws *laws,
                                    haft_error *error) {
     const runner *r = user;
@@ -40,7 +41,8 @@ static haft_status save_companions(void *user, const haft_summary *summary, cons
                : status;
 }
 
-/* Everything is saved, but a script must learn that not all beams have a result. */
+/* Reports beams without a result. Everything is saved, but the exit code must show a script that
+ * not all beams have one. */
 static haft_status tell_failures(const haft_case *c, const haft_summary *summary,
                                  const char *results, haft_error *error) {
     haft_statistics s = haft_study_statistics(c, summary, c->realizations);
@@ -72,7 +74,7 @@ typedef struct run_paths {
     char results[PATH_CAPACITY], laws[PATH_CAPACITY], parts[PATH_CAPACITY];
 } run_paths;
 
-/* What a run needs before it can begin; the folder is rank 0's to make. */
+/* Prepares a run. Only rank 0 makes the folder. */
 static haft_status prepare_run(run_paths *paths, haft_summary **summary, const haft_case *c,
                                const char *folder, haft_error *error) {
     *summary = haft_memory_alloc(c->realizations, sizeof **summary, error);

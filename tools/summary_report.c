@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What haft says of a run: a table for people or JSON for programs, and a line a variant of a
- * sweep. */
+/* Prints what haft found: a table or JSON for a run, and one line for each variant of a sweep. */
 #include "summary_report.h"
 
 #include "terminal.h"
@@ -17,7 +16,8 @@ static void print_length(double metres) {
     }
 }
 
-/* A number, its interval (NULL where it has none) and what others found. */
+/* Prints a number, its interval (NULL if it has none), and the values of the paper and the
+ * measurement. */
 static void print_row(const char *label, double ours, const haft_interval *interval, double paper,
                       double measured) {
     printf("  %-26s", label);
@@ -44,7 +44,9 @@ static void print_quantiles(const haft_case *c, const haft_statistics *s) {
                                                             "95 % quantile"};
     for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
         char text[40];
-        bool beyond = s->quantile[i] > c->beam.length; /* not known but that they let go */
+        bool beyond =
+            s->quantile[i] >
+            c->beam.length; /* longer than the beam: all that is known is that the beam is free */
         snprintf(text, sizeof text, beyond ? "%s (free)" : "%s", label[i]);
         print_row(text, s->quantile[i], &s->quantile_interval[i], NAN, NAN);
     }
@@ -153,7 +155,7 @@ static void print_sweep_json(const haft_variant *variant, size_t variants) {
     printf("]\n");
 }
 
-/* Numbers of others have columns of their own. */
+/* Keys of references are not shown as swept keys; their values have columns of their own. */
 static bool is_reference(const struct haft_case_sweep *sweep, size_t key) {
     return strncmp(sweep->key[key], "reference.", strlen("reference.")) == 0;
 }
@@ -163,7 +165,7 @@ static bool has_reference(const haft_case *c) {
            isfinite(c->reference.measured_crack_length);
 }
 
-/* What others found, and how far ours is from it. */
+/* Prints a value of the paper or the measurement, and Haft's deviation from it. */
 static void print_deviation(const haft_statistics *s, double other) {
     if (isfinite(other) && s->stuck > 0) {
         printf(" %9.1f %+9.1f %+7.1f", other * 1e6, (s->mean - other) * 1e6,
@@ -173,7 +175,8 @@ static void print_deviation(const haft_statistics *s, double other) {
     }
 }
 
-/* The table of a sweep beside the paper's and the measured one (Tabs. 3 and 4). */
+/* Prints the table of a sweep beside the paper's and the measured values (Tabs. 3 and 4 of the
+ * paper). */
 static void print_beside(const haft_variant *variant, size_t variants) {
     size_t key = 0;
     const struct haft_case_sweep *sweep = &variant[0].c->sweep;

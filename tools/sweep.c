@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A sweep: its variants are cases of their own under CASE/out, run one after another, so that each
- * can be looked at, drawn or run again alone. Laws that are read off the same patches are built
- * together beforehand, for the surfaces are most of their cost. */
+/* Runs a sweep. Its variants are cases of their own under CASE/out. They run one after another, and
+ * each can be inspected, drawn or run again alone. Laws of the same patches are built together
+ * beforehand, since the surfaces are most of their cost. */
 #include "sweep.h"
 
 #include "draw.h"
@@ -13,12 +13,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The variants read so far, and what came of them. */
+/* The variants, and their results. */
 typedef struct sweep {
     size_t variants;
     haft_case **c;
     haft_variant *variant;
-    char (*inputs)[HAFT_DIGEST_CAPACITY]; /* digest of what each one's laws depend on */
+    char (*inputs)[HAFT_DIGEST_CAPACITY]; /* digest of the inputs of each variant's laws */
 } sweep;
 
 static void close_sweep(sweep *s) {
@@ -51,7 +51,8 @@ static haft_status open_sweep(sweep *s, const haft_case *first, const char *fold
     return status;
 }
 
-/* Are its laws, or what becomes of them, other than those of all variants before? */
+/* Whether the laws of variant i, or how they are used, differ from those of all variants before
+ * it. */
 static bool has_new_laws(const sweep *s, size_t i) {
     for (size_t k = 0; k < i; k++) {
         const haft_case *a = s->c[k], *b = s->c[i];
@@ -84,7 +85,7 @@ static haft_status variant_folder(char path[PATH_CAPACITY], const char *folder, 
     return case_out_path(path, folder, c->sweep.label, error);
 }
 
-/* Where variant i's laws lie. */
+/* Makes the path of variant i's laws. */
 static bool laws_path(char path[PATH_CAPACITY], const sweep *s, size_t i, const char *folder) {
     char variant[PATH_CAPACITY];
     return variant_folder(variant, folder, s->c[i], NULL) == HAFT_OK &&
@@ -99,7 +100,7 @@ static bool has_laws(const sweep *s, size_t i, const char *path) {
            strcmp(digest, wanted) == 0;
 }
 
-/* Puts a second name of a file in place of what is there, whole or not at all. */
+/* Makes `to` a second name of the file `from`, and replaces what was there, all or nothing. */
 static void link_over(const char *from, const char *to) {
     char temporary[PATH_CAPACITY];
     int length = snprintf(temporary, sizeof temporary, "%s.tmp.%ld", to, (long)getpid());
@@ -109,9 +110,9 @@ static void link_over(const char *from, const char *to) {
     }
 }
 
-/* Gives variant i the laws of an earlier one of the same inputs. That they are the same file is no
- * harm: laws are replaced, never changed. Where it cannot be done they are built, to the same bits.
- */
+/* Gives variant i the laws of an earlier variant with the same inputs. Both share one file; this is
+ * safe, since laws are replaced, never changed. If sharing fails, the variant builds its laws
+ * itself, with the same bits. */
 static void take_over_laws(const sweep *s, size_t i, const char *folder) {
     char from[PATH_CAPACITY], to[PATH_CAPACITY];
     if (!laws_path(to, s, i, folder) || has_laws(s, i, to)) {
@@ -126,7 +127,7 @@ static void take_over_laws(const sweep *s, size_t i, const char *folder) {
     }
 }
 
-/* Whether the file holds just this text. */
+/* Whether the file contains exactly this text. */
 static bool holds(const char *path, const char *text) {
     char *bytes = NULL;
     size_t size = 0, length = strlen(text);
@@ -136,8 +137,8 @@ static bool holds(const char *path, const char *text) {
     return same;
 }
 
-/* Writes a variant's case.yaml. One of another sweep is not replaced under results that may be its
- * own, unless all is to be done anew. */
+/* Writes a variant's case.yaml. A different case.yaml is not replaced, since there may be results
+ * of it, unless everything is to be done anew. */
 static haft_status write_variant(const haft_case *c, const char *path, haft_run_mode mode,
                                  haft_error *error) {
     char file[PATH_CAPACITY], *text = NULL;
@@ -156,7 +157,7 @@ static haft_status write_variant(const haft_case *c, const char *path, haft_run_
     return status;
 }
 
-/* CASE/out/LABEL as a case folder. */
+/* Makes CASE/out/LABEL a case folder. */
 static haft_status make_variant(const sweep *s, size_t i, const char *folder, haft_run_mode mode,
                                 char path[PATH_CAPACITY], haft_error *error) {
     haft_status status = variant_folder(path, folder, s->c[i], error);
@@ -172,10 +173,10 @@ static haft_status make_variant(const sweep *s, size_t i, const char *folder, ha
     return status;
 }
 
-/* Curves of a group are in memory together: no more than this of them. */
+/* Most memory for the curves of a group, which are all kept at once. */
 #define GROUP_BYTES 1e9
 
-/* Variants whose laws are read off the same patches, and where these will lie. */
+/* Variants whose laws come from the same patches, and the paths of these laws. */
 typedef struct group {
     size_t n;
     const haft_case **c;
@@ -192,7 +193,7 @@ static void close_group(group *g) {
     haft_memory_free(g->path);
 }
 
-/* Whether a variant's laws come from patches and are still to be built; `path` is where to. */
+/* Whether a variant's laws come from patches and are still to be built; they go to `path`. */
 static bool lacks_laws(const sweep *s, size_t i, const char *folder, haft_run_mode mode,
                        char path[PATH_CAPACITY]) {
     char variant[PATH_CAPACITY], results[PATH_CAPACITY];
@@ -203,7 +204,8 @@ static bool lacks_laws(const sweep *s, size_t i, const char *folder, haft_run_mo
            !has_laws(s, i, path);
 }
 
-/* Whether one of the variants from `first` on has the laws of variant i, which takes them over. */
+/* Whether a variant from `first` to i - 1 has the same laws as variant i, which then shares
+ * them. */
 static bool is_repeated(const sweep *s, size_t first, size_t i) {
     while (first < i && strcmp(s->inputs[first], s->inputs[i]) != 0) {
         first++;
@@ -211,14 +213,14 @@ static bool is_repeated(const sweep *s, size_t first, size_t i) {
     return first < i;
 }
 
-/* Bytes that the curves of a case's patches take in memory. */
+/* Memory that the curves of a case's patches take, in bytes. */
 static double bytes_of_curves(const haft_case *c) {
     double span = c->contact.distance_to - c->contact.distance_from;
     return sizeof(double) * (double)c->law.chaos.vectors * (span / c->contact.distance_step + 1);
 }
 
-/* Gathers variant `first` and those after it that have its patches, as many as there is room for.
- * One whose folder cannot be made is left for its own turn to tell why. */
+/* Collects variant `first` and the later ones with the same patches, as many as memory allows. A
+ * variant whose folder cannot be made is left out; its own run then reports the error. */
 static void find_group(group *g, const sweep *s, size_t first, const char *folder,
                        haft_run_mode mode) {
     char wanted[HAFT_DIGEST_CAPACITY], digest[HAFT_DIGEST_CAPACITY], variant[PATH_CAPACITY];
@@ -238,7 +240,8 @@ static void find_group(group *g, const sweep *s, size_t first, const char *folde
     }
 }
 
-/* Builds the laws of a group at once, and saves them; of one alone they are left to its run. */
+/* Builds and saves the laws of a group. If it has one variant only, that variant's run builds
+ * them. */
 static haft_status build_group(group *g, terminal *t, haft_error *error) {
     if (g->n < 2) {
         return HAFT_OK;
@@ -258,7 +261,8 @@ static haft_status build_group(group *g, terminal *t, haft_error *error) {
     return status;
 }
 
-/* Before variant i is run: the laws that it and later ones read off the same patches. */
+/* Called before variant i runs: builds its laws together with those of later variants that come
+ * from the same patches. */
 static haft_status build_together(const sweep *s, size_t i, const char *folder, haft_run_mode mode,
                                   terminal *t, haft_error *error) {
     char path[PATH_CAPACITY];
@@ -320,7 +324,7 @@ static haft_status save_table(const sweep *s, const char *folder, haft_error *er
                              : status;
 }
 
-/* All variants; beams that could not be followed end one variant's run no more than a run's. */
+/* Runs all variants. Beams that could not be followed do not end the sweep. */
 static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_run_mode mode,
                            terminal *t, haft_error *error) {
     haft_status worst = HAFT_OK;
@@ -329,7 +333,7 @@ static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_ru
     haft_progress progress = terminal_progress(t);
     for (size_t i = 0; i < s->variants; i++) {
         if (haft_study_rank() == 0 &&
-            progress.stop(progress.user)) { /* a variant that is complete asks for no stop */
+            progress.stop(progress.user)) { /* a complete variant does not poll for a stop itself */
             *complete = false;
             (void)haft_study_ranks_agree(false);
             return haft_error_set(error, HAFT_ERROR_INTERRUPTED,
@@ -377,7 +381,7 @@ int run_sweep(const haft_case *c, const char *folder, haft_run_mode mode, bool j
     return code;
 }
 
-/* The statistics of all variants from their results. */
+/* Reads the statistics of all variants from their results. */
 static haft_status gather(sweep *s, const char *folder, haft_error *error) {
     char path[PATH_CAPACITY], results[PATH_CAPACITY];
     haft_status status = HAFT_OK;
@@ -409,7 +413,8 @@ int tell_sweep(const haft_case *c, const char *folder, bool json, terminal *t) {
     return status == HAFT_OK ? terminal_finish(t, EXIT_OK) : terminal_fail(t, status, &error);
 }
 
-/* The words of a swept choice, one a variant, to stand on the axis; none for a number. */
+/* Lists the words of a swept choice, one for each variant, as labels of the axis; empty for a
+ * number. */
 static void list_choices(const sweep *s, char *words, size_t capacity) {
     size_t used = 0;
     words[0] = '\0';

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The programs' voice. */
+/* Output of the programs. */
 #include "terminal.h"
 
 #include <argp.h>
@@ -19,8 +19,9 @@ static void catch_signal(int number) {
     caught = number;
 }
 
-/* A standard stream that came closed would give its number to the next file opened, and progress
- * would be written into the results. It is opened the wrong way round, so that using it fails. */
+/* Opens closed standard streams. Otherwise the next file opened would get the number of a closed
+ * stream, and progress would be written into the results. Each is opened for the wrong direction,
+ * so that using it fails. */
 static void occupy_standard_streams(void) {
     for (int number = 0; number <= STDERR_FILENO; number++) {
         if (fcntl(number, F_GETFD) == -1) {
@@ -32,14 +33,14 @@ static void occupy_standard_streams(void) {
 void terminal_open(terminal *t, const char *program, bool quiet) {
     *t = (terminal){.program = program, .quiet = quiet, .live = isatty(STDERR_FILENO) == 1};
     occupy_standard_streams();
-    struct sigaction action = {.sa_handler = SIG_IGN}; /* a full file or a closed pipe is told */
-    sigemptyset(&action.sa_mask);                      /* as an error */
+    struct sigaction action = {.sa_handler = SIG_IGN}; /* so that a full file or a closed pipe */
+    sigemptyset(&action.sa_mask);                      /* is reported as an error */
     sigaction(SIGXFSZ, &action, NULL);
     sigaction(SIGPIPE, &action, NULL);
 }
 
-/* Room for a line before it is made safe to show. The longest holds a few paths; without memory a
- * line must be told all the same, so none is asked for. */
+/* Size of a line before it is quoted. The longest lines contain a few paths. The buffer is not
+ * allocated, since a line must be printed even without memory. */
 enum { LINE_CAPACITY = 1 << 15 };
 
 void terminal_print(FILE *stream, const char *format, ...) {
@@ -83,11 +84,11 @@ static void advance(void *user, const char *stage, size_t done, size_t total) {
     if (t->stage == NULL || strcmp(t->stage, stage) != 0) {
         t->stage = stage;
         t->started = time;
-        t->before = done; /* of an earlier run, if any */
+        t->before = done; /* done by an earlier run, if any */
         t->shown = 0;
         t->tenth = 0;
     }
-    char left[32], say[40] = ""; /* nothing is known of the time left before one more is done */
+    char left[32], say[40] = ""; /* the time left is unknown until one more is done */
     double spent = fmax(0, time - t->started);
     size_t own = done > t->before ? done - t->before : 0;
     if (own > 0) {
@@ -190,7 +191,7 @@ static haft_status make_folder(const char *path, haft_error *error) {
         return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot make this folder: %s", path,
                               strerror(errno));
     }
-    if (access(path, W_OK | X_OK) != 0) { /* told before the work, not after */
+    if (access(path, W_OK | X_OK) != 0) { /* report it before the work, not after */
         return haft_error_set(error, HAFT_ERROR_IO, "%s: cannot write into this folder: %s", path,
                               strerror(errno));
     }
@@ -211,7 +212,7 @@ haft_status make_out_folder(const char *folder, const char *name, haft_error *er
 void drop_empty_out_folder(const char *folder) {
     char path[PATH_CAPACITY];
     if (case_path(path, folder, "out", NULL) == HAFT_OK) {
-        rmdir(path); /* fails where anything is in it, as it should */
+        rmdir(path); /* fails if the folder is not empty, as intended */
     }
 }
 

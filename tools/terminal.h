@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What both programs say and how: progress with the time left, errors, exit codes, case folders. */
+/* Output that both programs share: progress with the time left, errors, exit codes, case
+ * folders. */
 #ifndef HAFT_TOOLS_TERMINAL_H
 #define HAFT_TOOLS_TERMINAL_H
 
@@ -32,22 +33,23 @@ typedef struct terminal {
     bool live; /* standard error is a terminal */
     const char *stage;
     double started, shown;
-    size_t before; /* done when the stage began */
-    size_t tenth;  /* tenths told so far, where lines are all there is */
+    size_t before; /* number done when the stage began */
+    size_t tenth;  /* tenths reported so far, if not on a terminal */
 } terminal;
 
-/* Sets up output. SIGINT and SIGTERM end the program, as ever, until there is a progress. */
+/* Sets up output. SIGINT and SIGTERM end the program as usual until terminal_progress() is
+ * called. */
 void terminal_open(terminal *t, const char *program, bool quiet);
 
-/* A progress that speaks through this terminal and stops on SIGINT and SIGTERM, which are caught
- * from here on: only for who asks it whether to stop. */
+/* Makes a progress that prints through this terminal and reports a stop after SIGINT or SIGTERM.
+ * From here on these signals are caught, so call this only for work that checks for a stop. */
 haft_progress terminal_progress(terminal *t);
 
-/* Prints one line, as printf does, made safe to show whatever names of files and keys are in it
- * (haft_text_quote); the line break is added. */
+/* Prints one line, as printf does, and adds the line break. Names of files and keys in it are
+ * quoted so that they are safe to show (haft_text_quote). */
 void terminal_print(FILE *stream, const char *format, ...) HAFT_PRINTF(2, 3);
 
-/* Says so what is wrong with the command line, and ends the program. */
+/* Reports what is wrong with the command line, quoted in the same way, and ends the program. */
 struct argp_state;
 void terminal_misuse(const struct argp_state *state, const char *format, ...) HAFT_PRINTF(2, 3);
 
@@ -57,11 +59,11 @@ void terminal_close_line(terminal *t);
 /* Prints an error and gives the exit code for its status. */
 int terminal_fail(terminal *t, haft_status status, const haft_error *error);
 
-/* The exit code of a program that has nothing more to say: `code`, or EXIT_IO if what was printed
- * did not arrive. */
+/* The exit code of a program that has printed all it had to: `code`, or EXIT_IO if the output could
+ * not be written. */
 int terminal_finish(terminal *t, int code);
 
-/* CASE/name, or CASE/out/name. */
+/* Makes the path CASE/name, or CASE/out/name. */
 haft_status case_path(char path[PATH_CAPACITY], const char *folder, const char *name,
                       haft_error *error);
 haft_status case_out_path(char path[PATH_CAPACITY], const char *folder, const char *name,
@@ -70,7 +72,7 @@ haft_status case_out_path(char path[PATH_CAPACITY], const char *folder, const ch
 /* Makes CASE/out (and CASE/out/name, where name is not NULL) if need be. */
 haft_status make_out_folder(const char *folder, const char *name, haft_error *error);
 
-/* Takes CASE/out away again if nothing is in it, as after a failure. */
+/* Removes CASE/out if it is empty, as after a failure. */
 void drop_empty_out_folder(const char *folder);
 
 /* Reads CASE/case.yaml. */
@@ -79,11 +81,11 @@ haft_status read_case(haft_case **out, const char *folder, haft_error *error);
 /* Writes CASE/out/laws.csv. */
 haft_status save_laws_table(const haft_laws *laws, const char *folder, haft_error *error);
 
-/* Reads results that hold the case's number of realizations. */
+/* Reads results, which must have the case's number of realizations. */
 haft_status read_results(haft_results_view **out, const haft_case *c, const char *path,
                          haft_error *error);
 
-/* The same where they must be of the case as it stands, to its last input. */
+/* Reads results that were made from the present case, with all inputs the same. */
 haft_status read_own_results(haft_results_view **out, const haft_case *c, const char *path,
                              haft_error *error);
 
