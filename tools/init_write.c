@@ -83,7 +83,7 @@ static void free_paths(char **path, const init_words *w) {
     }
 }
 
-/* Writes " key: value # comment". */
+/* Writes "  key: value          # comment". */
 static void write_line(FILE *stream, const char *comment, const char *format, ...)
     HAFT_PRINTF(3, 4);
 

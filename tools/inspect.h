@@ -19,8 +19,8 @@ typedef struct inspect_wishes {
     double tip_radius; /* [m]; 0: none */
 } inspect_wishes;
 
-/* Reads the options. If one has a wrong value, the message names the option and its valid
- * values. */
+/* Reads the options. If one has a wrong value, the message names the option and what is
+ * valid. */
 haft_status inspect_read_words(inspect_wishes *w, const inspect_words *words, haft_error *error);
 
 /* Reads the map, prints its properties, and draws it into `folder` (NULL: MAP's name with

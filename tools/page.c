@@ -225,8 +225,7 @@ bool page_figure(page *p, const char *path, const char *caption) {
 haft_status page_store(page *p, const char *path, haft_error *error) {
     page_markup(p, "</main>\n</body>\n</html>\n");
     bool failed = p->failed || ferror(p->stream) != 0;
-    failed = fclose(p->stream) != 0 || failed ||
-             p->text == NULL; /* fclose() may fail without an error: then text is NULL */
+    failed = fclose(p->stream) != 0 || failed || p->text == NULL; /* fclose() may hide an error */
     p->stream = NULL;
     haft_status status =
         failed ? haft_error_set(error, HAFT_ERROR_MEMORY, "out of memory for %s", path)

@@ -29,8 +29,8 @@ void page_text(page *p, const char *format, ...) HAFT_PRINTF(2, 3);
 void page_element(page *p, const char *tag, const char *kind, const char *format, ...)
     HAFT_PRINTF(4, 5);
 
-/* Puts the picture at `path` into the page, with its caption: SVG unchanged, PNG encoded. @return
- * false, with nothing written, if it cannot be read */
+/* Puts the picture at `path` into the page, with its caption: SVG unchanged, PNG encoded.
+ * @return false, with nothing written, if it cannot be read */
 bool page_figure(page *p, const char *path, const char *caption);
 
 /* Ends the page and writes it, all or nothing. The page is freed in any case. */

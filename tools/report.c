@@ -413,8 +413,7 @@ int report_case(const haft_case *c, const char *folder, long asked, terminal *t)
     if (status == HAFT_OK) {
         terminal silent = *t;
         silent.quiet = true;
-        s.drawn =
-            draw_case(c, folder, asked, NULL, &silent) == EXIT_OK; /* prints why, if it fails */
+        s.drawn = draw_case(c, folder, asked, NULL, &silent) == EXIT_OK; /* else it prints why */
         status = write_page(&s, path, &error);
     }
     haft_laws_destroy(&s.laws);

@@ -44,9 +44,7 @@ static void print_quantiles(const haft_case *c, const haft_statistics *s) {
                                                             "95 % quantile"};
     for (size_t i = 0; i < HAFT_STUDY_QUANTILES; i++) {
         char text[40];
-        bool beyond =
-            s->quantile[i] >
-            c->beam.length; /* longer than the beam: all that is known is that the beam is free */
+        bool beyond = s->quantile[i] > c->beam.length; /* stands for free beams, is no length */
         snprintf(text, sizeof text, beyond ? "%s (free)" : "%s", label[i]);
         print_row(text, s->quantile[i], &s->quantile_interval[i], NAN, NAN);
     }

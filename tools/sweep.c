@@ -51,8 +51,8 @@ static haft_status open_sweep(sweep *s, const haft_case *first, const char *fold
     return status;
 }
 
-/* Whether the laws of variant i, or how they are used, differ from those of all variants before
- * it. */
+/* Whether the laws of variant i, or how they are used, differ from those of all earlier
+ * variants. */
 static bool has_new_laws(const sweep *s, size_t i) {
     for (size_t k = 0; k < i; k++) {
         const haft_case *a = s->c[k], *b = s->c[i];
@@ -333,7 +333,7 @@ static haft_status run_all(sweep *s, bool *complete, const char *folder, haft_ru
     haft_progress progress = terminal_progress(t);
     for (size_t i = 0; i < s->variants; i++) {
         if (haft_study_rank() == 0 &&
-            progress.stop(progress.user)) { /* a complete variant does not poll for a stop itself */
+            progress.stop(progress.user)) { /* a complete variant never checks for a stop */
             *complete = false;
             (void)haft_study_ranks_agree(false);
             return haft_error_set(error, HAFT_ERROR_INTERRUPTED,
