@@ -3,12 +3,13 @@
  *
  *     bench-chaos [-r rounds] [-m vectors] [-d order] [-n laws] [-w centres.csv] [-s] [laws.csv]
  *
- * Identification against a floor: bare libm erfc calls, one for each centre at each Gauss point of
- * each level of the map, the least that any root finder on the exact conditionals could do (ours
- * looks two or three times, but leaves out centres of no weight). Then laws a second by sampler,
- * and the errors by germ, kernel and order: on skewed synthetic vectors, or on those of a laws.csv
- * as haft run writes it. -s leaves the errors out; -w writes eta and points of the inverse map for
- * openturns-chaos. One thread, unless OMP_NUM_THREADS says otherwise. */
+ * Prints the time of the identification against a floor: bare libm erfc calls, one for each centre
+ * at each Gauss point of each level of the map. No root finder on the exact conditionals could do
+ * with fewer. (Haft's makes two or three evaluations, but leaves out centres of no weight.) Then
+ * prints laws a second by sampler, and the errors by germ, kernel and order: on skewed synthetic
+ * vectors, or on those of a laws.csv as haft run writes it. -s leaves the errors out. -w writes eta
+ * and points of the inverse map for openturns-chaos. Uses one thread, unless OMP_NUM_THREADS says
+ * otherwise. */
 #include "bench.h"
 
 #include "haft/chaos.h"
@@ -35,7 +36,7 @@ static void *grab(size_t count, size_t size) {
     return memory;
 }
 
-/* Skewed and dependent, all within the strict bounds. */
+/* Makes skewed and dependent vectors, all within the strict bounds. */
 static data make_data(size_t m) {
     data d = {m, grab(m, sizeof(haft_law_vector))};
     for (size_t k = 0; k < m; k++) {
@@ -61,7 +62,7 @@ static size_t split(char *line, char *field[COLUMN_LIMIT]) {
     return n;
 }
 
-/* The sound laws of a table; the columns are found by their names. */
+/* Reads those laws of a table that have a Morse law. Finds the columns by their names. */
 static data read_data(const char *path) {
     static const char *const name[] = {"fault", "e [mJ/m2]", "f_max [MPa]", "d_max [nm]",
                                        "d_limit [nm]"};
@@ -117,7 +118,7 @@ static haft_chaos *identify(const data *d, const haft_chaos_spec *spec, double *
     return c;
 }
 
-/* One erfc for each centre at each point of each level. */
+/* Times one erfc call for each centre at each point of each level. */
 static double erfc_calls(const haft_chaos_parts *p) {
     double points = 0, level = 1;
     for (size_t i = 0; i < p->components; i++) {
@@ -197,7 +198,7 @@ static void time_samplers(const data *d, const haft_chaos_spec *base, size_t law
     haft_memory_free(v);
 }
 
-/* The worst of the components. */
+/* Prints the errors of the worst component. */
 static void print_errors(const haft_chaos_spec *s, size_t components, const haft_chaos_errors *x) {
     double variance = 0, ks = 0, w1 = 0, low = 0, high = 0, data_ks = 0;
     for (size_t j = 0; j < components; j++) {
@@ -255,8 +256,9 @@ static void study_errors(const data *d, const haft_chaos_spec *base) {
     }
 }
 
-/* The projection's rule aliases what it does not resolve into the coefficients: more points than
- * the order needs cost time and mend that. */
+/* The quadrature rule of the projection aliases terms that it does not resolve into the
+ * coefficients. This study shows what more points than the order needs cost, and how much they
+ * reduce the error. */
 static void study_points(const data *d, const haft_chaos_spec *base) {
     printf("\nGauss points a direction, N_d = %zu\n%-9s %7s %10s %10s %10s %10s %9s\n", base->order,
            "germ", "points", "time [s]", "own [%]", "relMISE[%]", "var. [%]", "KS [1]");
@@ -282,7 +284,7 @@ static void study_points(const data *d, const haft_chaos_spec *base) {
     }
 }
 
-/* Centres, then points: xi and the eta that the inverse map gives there. */
+/* Writes the centres, then points: xi and the eta that the inverse map gives there. */
 static void write_points(const data *d, const haft_chaos_spec *base, const char *path) {
     enum { POINTS = 200 };
     haft_error error = {0};

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a load-unload cycle of one beam costs, against the floor: as many bare KLU refactorizations
- * and solves of the same pattern as the path made, those of an active mesh's shorter ones in
- * proportion to their unknowns. On the paper's mesh, on the exact one and on the
- * active one; how the cost grows with the number of sites; and what finer steps buy.
+/* What a load-unload cycle of one beam costs, against a floor: bare KLU refactorizations and solves
+ * of the same pattern, as many as the path made. Those on the shorter meshes of an active mesh
+ * count in proportion to their unknowns. The meshes are the paper's, the exact one and the active
+ * one. Also prints how the cost grows with the number of sites, and what finer steps gain.
  *
  *     bench-cycle [-b beams] [-r rounds] [-m] [-s] [case directory]
  *
- * The laws are those of the case's out/laws.h5 if it is there, else random Morse laws (and always
- * with -m); -s leaves out the study of error. */
+ * The laws are those of the case's out/laws.h5. Without that file, and always with -m, they are
+ * random Morse laws. -s leaves out the study of error. */
 #include "bench.h"
 
 #include "haft/study.h"
@@ -30,8 +30,8 @@ typedef struct bench {
 
 /* ---- laws ---- */
 
-/* Numbers of the order the DelRio beams show at 85 %; draws that no Morse law fits are drawn anew.
- */
+/* Draws a law with numbers of the order that the DelRio beams have at 85 %. If no Morse law fits,
+ * draws again. */
 static haft_law draw_law(uint64_t beam, uint64_t site) {
     double deviation = sqrt(log1p(0.3 * 0.3));
     for (uint64_t attempt = 0;; attempt++) {
@@ -91,7 +91,7 @@ typedef struct klu_time {
     double refactor, solve;
 } klu_time;
 
-/* A KLU factorization of a model's pattern, filled with K + M, as the solver orders it. */
+/* A KLU factorization of K + M, which has a model's pattern, in the solver's order. */
 typedef struct bare_klu {
     const haft_model *model;
     double *value, *b;
@@ -124,7 +124,7 @@ static void free_bare_klu(bare_klu *k) {
     haft_memory_free(k->b);
 }
 
-/* Means over 200 runs. */
+/* Times refactorizations and solves: means over 200 runs. */
 static klu_time time_klu(bare_klu *k) {
     enum { RUNS = 200 };
     const haft_model_data *m = haft_model_get(k->model);
@@ -145,11 +145,11 @@ static klu_time time_klu(bare_klu *k) {
     return (klu_time){(middle - start) / RUNS, (haft_clock_seconds() - middle) / RUNS};
 }
 
-/* All the laws that take part, bare, at the gaps a path ended with. */
+/* All laws that take part, and the gaps at the end of a path. */
 typedef struct bare_laws {
     haft_law_rows *rows;
     size_t sites, room;
-    double *d; /* room of gaps, and of each value */
+    double *d; /* four arrays of length `room`: gaps, and the three values */
 } bare_laws;
 
 static void make_bare_laws(bare_laws *b, const haft_model *m, const haft_law *laws,
@@ -168,7 +168,7 @@ static void free_bare_laws(bare_laws *b) {
     haft_memory_free(b->d);
 }
 
-/* Seconds of an evaluation of all of them, as a state's are: the mean over 200. */
+/* Seconds of an evaluation of all these laws, as for one state: the mean over 200. */
 static double time_laws(const bare_laws *b) {
     enum { RUNS = 200 };
     double *d = b->d, start = haft_clock_seconds();
@@ -221,13 +221,14 @@ static haft_model *make_model(const bench *b, haft_mesh_kind kind) {
     return model;
 }
 
-/* A beam's cycle: seconds, and ratios to the floor, to that with laws, and to all of KLU. */
+/* The cost of a beam's cycle: seconds; the floor; and ratios to the floor, to the floor with laws,
+ * and to all work of KLU. */
 typedef struct beam_cost {
     double time, floor, ratio, lawful, all;
 } beam_cost;
 
-/* Medians over the rounds, in each of which the floor is timed right after the cycle: a shared
- * processor's speed changes from second to second. */
+/* Medians over the rounds. Each round times the floor right after the cycle, since the speed of a
+ * shared processor changes from second to second. */
 static beam_cost time_beam(const bench *b, const haft_model *model, bare_klu *klu, int beam,
                            mean_cost *sum) {
     haft_error error = {0};
@@ -298,15 +299,17 @@ static double exponent(const double *x, const double *y, int n) {
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
-/* A way to more sites: beams and patches of each size, and what the table is of. */
+/* A series with more and more sites: the beam and patches of each size, and the title of the
+ * table. */
 typedef struct growth {
     const char *title;
     haft_beam_spec beam;
-    double crack_length, position; /* loaded to and where [m] */
-    double l_meso;                 /* [m]; 0: the beam cut into as many patches as asked for */
+    double crack_length,
+        position;  /* crack length that is loaded to, and position of the load [m] */
+    double l_meso; /* [m]; 0: divide the beam into as many patches as there are sites */
 } growth;
 
-/* Median cost of a cycle over random laws, of every number of sites, on active meshes that begin at
+/* For each number of sites: the median cost of a cycle over random laws. The active meshes begin at
  * half the crack length that is loaded to. */
 static void study_growth(const bench *b, const growth *g) {
     enum { SIZES = 5, BEAMS = 3 };
@@ -350,7 +353,8 @@ static void study_growth(const bench *b, const growth *g) {
            exponent(n, cycle, SIZES), exponent(n, one, SIZES));
 }
 
-/* Sites by a longer beam, whose first snap runs along all of it, and by finer patches of one. */
+/* More sites in two ways: a longer beam, whose first snap runs along its whole length; and finer
+ * patches of one beam. */
 static void study_sites(const bench *b) {
     growth longer = {"ever longer beams 1 um thick, patches of 3 um",
                      {0, 30e-6, 1e-6, 1.9e-6, 163e9},

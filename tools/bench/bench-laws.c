@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the laws of one beam cost, against the floor: bare FFTW complex-to-real 2-D transforms of as
- * many points, block by block, planned with the same flag. Where the time goes; and what a finer
- * grid or kernel buys; and what a beam of its own surface costs in all, with the laws of every site
- * and with those alone that can come into range.
+/* What the laws of one beam cost, against a floor: bare FFTW complex-to-real 2-D transforms of as
+ * many points, block by block, planned with the same flag. Also prints where the time goes; what a
+ * finer grid or kernel gains; and what a beam with its own surface costs in all, with the laws of
+ * every site and with only those that can come into range.
  *
  *     bench-laws [-r rounds] [-p patches] [-s] [case directory]
  *
- * -p shortens the beam, -s leaves out the study of error. Each build and each floor runs in a
- * process of its own, so that its peak memory is its own; the floor runs half before and half after
- * the build, so that a machine that slows down slows both. */
+ * -p shortens the beam, -s leaves out the study of error. Each build and each floor runs in its own
+ * process, so that its peak memory is its own. Half of the floor runs before the build and half
+ * after it, so that a machine that slows down slows both. */
 #include "bench.h"
 
 #include "haft/study.h"
@@ -25,7 +25,7 @@
 
 enum { ROUND_LIMIT = 99, GRIDS = 3, TOLERANCES = 3 };
 
-/* A build longer than this, in seconds, is not waited for in the study of error. */
+/* The study of error skips builds that would take longer than this [s]. */
 #define PATIENCE 60.0
 
 typedef struct sample {
@@ -40,7 +40,7 @@ typedef struct breakdown {
         above;
 } breakdown;
 
-/* Those that get laws. */
+/* The number of sites that get laws. */
 static size_t sites_of(const haft_case *c) {
     return haft_study_sites(c) - haft_study_first_site(c);
 }
@@ -83,7 +83,7 @@ static void build(const haft_case *c, int threads, sample *out) {
     }
 }
 
-/* Half of the blocks' transforms, dealt out to the threads; times the transforms alone. */
+/* Runs half of the blocks' transforms on the threads, and times the transforms alone. */
 static void transform(const haft_case *c, int threads, sample *out) {
     int rows = (int)(haft_study_block_patches(c) * rows_of(c)), columns = (int)columns_of(c);
     size_t half = (size_t)rows * ((size_t)columns / 2 + 1), points = (size_t)rows * (size_t)columns;
@@ -108,7 +108,7 @@ static void transform(const haft_case *c, int threads, sample *out) {
         busy[me] += haft_clock_seconds() - start;
     }
     out->seconds = fmax(busy[0], busy[1]) * 0.5 * blocks / runs;
-    if (threads > 1) { /* an odd count leaves one thread idle for a turn */
+    if (threads > 1) { /* with an odd count one thread is idle for one transform */
         out->seconds = (busy[0] + busy[1]) / threads * 0.5 * blocks / runs;
     }
     fftw_destroy_plan(plan);
@@ -120,7 +120,8 @@ static void transform(const haft_case *c, int threads, sample *out) {
 
 typedef void work_of(const haft_case *c, int threads, sample *out);
 
-/* Runs `work` in a child; its result comes back through a pipe, its peak memory from the system. */
+/* Runs `work` in a child process. Its result comes through a pipe, its peak memory from the
+ * system. */
 static sample apart(work_of *work, const haft_case *c, int threads) {
     sample out = {0};
     int ends[2];
@@ -234,7 +235,7 @@ static double time_noise(const bench *b) {
     return time;
 }
 
-/* The same curve without and with van der Waals forces, those through water. */
+/* Times the same curve with van der Waals forces through water, for two asperity models. */
 static void time_vdw(bench *b, haft_curve *curve, breakdown *t, haft_error *error) {
     const haft_case *c = b->c;
     haft_contact_spec spec = b->contact;
@@ -259,7 +260,7 @@ static void time_patch(bench *b, breakdown *t, haft_error *error) {
     haft_asperity_model own = c->contact.asperities;
     haft_asperity_model other =
         own == HAFT_ASPERITY_SUMMITS ? HAFT_ASPERITY_ISLANDS : HAFT_ASPERITY_SUMMITS;
-    for (int k = 0; k < 2; k++) { /* the case's own model last: its curve is characterised */
+    for (int k = 0; k < 2; k++) { /* the case's own model last, since its curve is characterised */
         b->contact.asperities = k == 0 ? other : own;
         double start = haft_clock_seconds();
         must(haft_contact_curve(b->work, &b->contact, b->z, rows_of(c), columns_of(c),
@@ -335,10 +336,10 @@ static void break_down(const haft_case *c, double floor) {
     haft_surface_plan_destroy(&b.plan);
 }
 
-/* ---- a beam in all ---- */
+/* ---- a whole beam ---- */
 
-/* Laws and path of a beam by one thread; the time of the path goes into `zero_distance`, the crack
- * into `e`. */
+/* Builds the laws and follows the path of a beam. The time of the path goes into `zero_distance`,
+ * the crack length into `e`. */
 static void follow(const haft_case *c, int threads, sample *out) {
     haft_laws *laws = NULL;
     haft_site_laws *sites = NULL;
@@ -456,7 +457,7 @@ int main(int count, char **arguments) {
     double floor = 0;
     compare_with_floor(c, rounds, &floor);
     break_down(c, floor);
-    if (patches == 0) { /* a shortened beam comes to no crack */
+    if (patches == 0) { /* a shortened beam has no crack of that length */
         time_beam(c, rounds);
     }
     if (study) {

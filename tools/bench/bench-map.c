@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How long a map takes from file to PSD, against a bare FFT of the same size; and a non-Gaussian
- * surface against a Gaussian one.
+/* How long a map takes from file to PSD, against a bare FFT of the same size; and how long a
+ * non-Gaussian surface takes, against a Gaussian one.
  *
- *     bench-map [pixels a side] [repetitions]
- */
+ *     bench-map [pixels a side] [repetitions] */
 #include "bench.h"
 
 #include "haft/io.h"
@@ -31,7 +30,7 @@ static double time_floor(size_t side, int repetitions) {
     return median(time, repetitions);
 }
 
-/* One stage of the way: medians of import, cleaning and spectrum. */
+/* Times the three stages of the way: medians of import, cleaning and spectrum. */
 static void time_way(const char *path, int repetitions, double stage[3]) {
     haft_error error = {0};
     double time[3][64];

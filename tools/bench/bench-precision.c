@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Work against precision: how far a cycle's answer is off, and what the cycle costs, as one choice
- * at a time goes from coarse to fine: element length, gap step, ledger tolerance, flow step.
+/* Work against precision: the error of a cycle's answer and the cost of the cycle, as one choice at
+ * a time goes from coarse to fine: element length, gap step, ledger tolerance, flow step.
  *
  *     bench-precision [-b beams] [-r rounds] [-m] [-o FILE.csv] [case directory]
  *     gnuplot -e "csv='FILE.csv'; png='FILE.png'" tools/plot/precision.gp     (from the top folder)
  *
- * The laws are those of the case's out/laws.h5, else (and with -m) random Morse laws like those of
- * the DelRio beams. Errors of l_e are against the exact mesh; errors of a step or tolerance against
- * the finest steps on the same mesh (the case's own), so the two kinds add up. Each is the root
- * mean square over the beams:
+ * The laws are those of the case's out/laws.h5. Without that file, and always with -m, they are
+ * random Morse laws like those of the DelRio beams. Errors of l_e are against the exact mesh;
+ * errors of a step or tolerance are against the finest steps on the same mesh (the case's own). So
+ * the two kinds add up. Each error is the root mean square over the beams:
  *
  *     crack   of the crack length at rest [m];
  *     load    of the loads of jumps: by how much they must be moved, on average, over the greatest;
  *     loss    of the total dissipation, over the total dissipation.
  *
- * The time is the median over beams of the best of the rounds, one thread. */
+ * The time is the median over beams of the best of the rounds, on one thread. */
 #include "bench.h"
 
 #include "haft/study.h"
@@ -35,7 +35,7 @@ typedef struct bench {
     FILE *csv; /* may be NULL */
 } bench;
 
-/* What is asked for; element_length 0: the exact mesh. */
+/* One choice of options; element_length 0: the exact mesh. */
 typedef struct setting {
     const char *varied;
     double value; /* in SI */
@@ -46,7 +46,7 @@ typedef struct setting {
 typedef struct score {
     double seconds, crack, load, loss;
     double jumps, steps, flow;
-    int differ; /* beams with another number of jumps */
+    int differ; /* number of beams with another number of jumps */
 } score;
 
 /* ---- laws ---- */
@@ -131,9 +131,9 @@ static int sorted_loads(const haft_path *path, double load[JUMP_LIMIT]) {
     return n;
 }
 
-/* How far the loads of one path's jumps must be moved, on average, to become the other's, over the
- * greatest load: the integral of the quantile functions' distance, which allows for different
- * numbers of jumps. */
+/* How far the loads of one path's jumps must be moved, on average, to become those of the other
+ * path, over the greatest load. This is the integral of the distance between the quantile
+ * functions, so the numbers of jumps may differ. */
 static double load_error(const haft_path *a, const haft_path *b) {
     double x[JUMP_LIMIT], y[JUMP_LIMIT], sum = 0, done = 0;
     int n = sorted_loads(a, x), m = sorted_loads(b, y), i = 0, j = 0;
@@ -203,11 +203,11 @@ static void drop_reference(const bench *b, haft_path **reference) {
     }
 }
 
-/* ---- the sweeps ---- */
+/* ---- sweeps ---- */
 
 static const haft_path_options defaults = {
     .gap_step = 0.5, .ledger_tolerance = 1e-10, .flow_step = 0.1};
-/* No step of the sweeps is as fine. */
+/* Finer than any step of the sweeps. */
 static const haft_path_options finest = {
     .gap_step = 0.04, .ledger_tolerance = 1e-12, .residual_tolerance = 1e-12, .flow_step = 0.001};
 
@@ -258,7 +258,7 @@ static void sweep_steps(const bench *b) {
     drop_reference(b, reference);
 }
 
-/* All against the finest steps; value 0 is auto, 1 KLU, 2 the band solver. */
+/* Compares all linear solvers with the finest steps. Value 0 is auto, 1 KLU, 2 the band solver. */
 static void sweep_linear_solvers(const bench *b) {
     double length = b->c->mesh.kind == HAFT_MESH_UNIFORM ? b->c->mesh.element_length : 0;
     haft_path *reference[BEAM_LIMIT];

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How long the surface of a beam takes, against the floor: a bare FFTW complex-to-real 2-D
- * transform of the same number of interior points, planned with the same flag.
+/* How long the surface of a beam takes, against a floor: a bare FFTW complex-to-real 2-D transform
+ * of the same number of interior points, planned with the same flag.
  *
- *     bench-surface [PSD 1 or 2] [tolerance] [rows in a block] [repetitions]
- */
+ *     bench-surface [PSD 1 or 2] [tolerance] [rows in a block] [repetitions] */
 #include "bench.h"
 
 #include "haft/surface.h"
@@ -37,7 +36,7 @@ static double time_floor(int rows, int columns, int repetitions) {
     return best;
 }
 
-/* The block's normals alone. */
+/* Times the normal random numbers of the block alone. */
 static double time_noise(const haft_surface_spec *spec, const haft_surface_facts *facts) {
     double lattice = (double)facts->lattice_ratio * spec->grid_step;
     size_t halo = (size_t)(facts->reach / lattice + 0.5);

@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the Morse law's push limit makes of weak pulls: of all curves in CASE/out/laws.h5 the energy
- * they have, and the least that a Morse law of their greatest pull and wall can have, that of its
- * left wing alone, f_max / (2 a_left). Where that is more, no Morse law has the curve's energy; a
- * fit that insists has the wing's at least.
+/* What the push limit of Morse laws does to weak pulls. For all curves in CASE/out/laws.h5 compares
+ * their energy with the least energy of a Morse law that has the same greatest pull and wall: that
+ * of its left wing alone, f_max / (2 a_left). If this bound is greater than the curve's energy, no
+ * Morse law has that energy; a fit that makes one nevertheless has at least the energy of the wing.
  *
  *     bench-weak CASE [LIMIT in MPa, 5 if left out]
  *
- * Prints a line of means to the error output and law vectors, their energies raised by as little as
- * gives each a Morse law, as CSV, for haft-laws fit.
- */
+ * Prints a line of means to the error output, and the law vectors as CSV for haft-laws fit.
+ * Energies below the bound are raised to just above it, so that each vector has a Morse law. */
 #include "bench.h"
 
 #include "haft/io.h"
 
 #include <math.h>
 
-/* How far above its bound an energy is lifted: the right wing then falls 50 times as fast. */
+/* Factor from the bound to a raised energy. With it the right wing falls 50 times as fast as the
+ * left. */
 static const double ABOVE = 1.03;
 
-/* The vector of a curve, of its deepest well if there are several; false if it has no wall. */
+/* Reads the vector of a curve, at its deepest well if there are several. @return false if it has no
+ * wall */
 static bool read_off(const haft_laws *laws, const double *force, double limit, haft_law_vector *v) {
     size_t at = 0;
     for (size_t i = 1; i < laws->n; i++) {

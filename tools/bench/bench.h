@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the benches share: a clock, a median, and giving up with a message. */
+/* Shared by the benches: a clock (of haft/base.h), a median, and ending with an error message. */
 #ifndef HAFT_BENCH_H
 #define HAFT_BENCH_H
 
@@ -14,7 +14,7 @@ static inline int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Sorts x. */
+/* The median. Sorts x. */
 static inline double median(double *x, int n) {
     qsort(x, (size_t)n, sizeof *x, compare);
     return 0.5 * (x[n / 2] + x[(n - 1) / 2]);
