@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* haft-import: a channel of a file that Gwyddion can read, as a Gwyddion Simple Field, which Haft
- * reads. A program of its own, so that Haft needs neither Gwyddion nor its libraries, and a fault
- * of a foreign reader ends nothing else. */
+/* haft-import: converts a channel of a file that Gwyddion can read into a Gwyddion Simple Field,
+ * which Haft reads. It is a program of its own, so that Haft needs neither Gwyddion nor its
+ * libraries, and a crash of a foreign reader ends no other program. */
 #include "import.h"
 
 #include <argp.h>
@@ -12,7 +12,7 @@
 typedef struct arguments {
     const char *path, *output, *channel;
     bool list, force, quiet;
-    int masked; /* 'm' missing, 'k' kept, 0: as the format has it */
+    int masked; /* pixels of a mask: 'm' missing, 'k' kept, 0: as the format has it */
 } arguments;
 
 enum { OPTION_LIST = 1000, OPTION_CHANNEL, OPTION_MASKED };
@@ -72,7 +72,7 @@ static const import_channel *channel_at(const import_file *file, guint k) {
     return &g_array_index(file->channels, import_channel, k);
 }
 
-/* "0 "Height", 256 x 256 pixels, 1e-05 x 1e-05 m, values in m" */
+/* Describes a channel: "0 "Height", 256 x 256 pixels, 1e-05 x 1e-05 m, values in m". */
 static char *describe(const import_channel *c) {
     GString *line = g_string_new(NULL);
     g_string_append_printf(line, "%d \"%s\", %d x %d pixels, %.6g x %.6g %s, values %s%s",
@@ -95,7 +95,8 @@ static void print_channels(const import_file *file, FILE *stream) {
     }
 }
 
-/* Gwyddion converts units to metres, so heights are in "m", unless a file of its own has others. */
+/* Whether the values are heights. Gwyddion converts units to metres, so heights are in "m", unless
+ * one of its own files has another unit of length. */
 static bool has_heights(const import_channel *c) {
     static const char *const lengths[] = {"m",         "cm",        "mm", "um",
                                           "\xc2\xb5m", "\xce\xbcm", "nm", "pm"};
@@ -107,7 +108,8 @@ static bool has_heights(const import_channel *c) {
     return false;
 }
 
-/* Whether a title is a name: 2 for the whole, 1 for all but the direction behind it. */
+/* How a title matches a name: 2 if they are equal, 1 if only the direction after it differs, 0 if
+ * not. */
 static int matches(const import_channel *c, const char *name) {
     size_t n = strlen(name);
     return strcmp(c->title, name) == 0
@@ -120,7 +122,8 @@ static void complain_of_channels(const import_file *file, const char *what) {
     print_channels(file, stderr);
 }
 
-/* The one that is named: by its whole title, by its title but for the direction, by its number. */
+/* Chooses the channel of this name: by its whole title, or by its title without the direction, or
+ * by its number. */
 static const import_channel *choose_named(const import_file *file, const char *path,
                                           const char *name) {
     const import_channel *titled[3] = {NULL}, *numbered = NULL;
@@ -146,7 +149,7 @@ static const import_channel *choose_named(const import_file *file, const char *p
     return NULL;
 }
 
-/* The only one of heights; NULL after a message. */
+/* Chooses the only channel of heights; NULL, after a message, if there is not exactly one. */
 static const import_channel *choose_only(const import_file *file, const char *path) {
     const import_channel *heights = NULL;
     guint lengths = 0;

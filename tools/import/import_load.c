@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What Gwyddion's modules make of a file. They are loaded from Gwyddion's own folder, those that
- * read files alone; none of them needs a display as long as nothing is asked of the user. Types
- * have to be registered first, and the colour gradients loaded, which some readers look up. */
+/* Reads a file with Gwyddion's modules. Only those that read files are loaded, from Gwyddion's own
+ * folder. None of them needs a display as long as the user is asked nothing. Before that, types
+ * have to be registered, and colour gradients loaded, since some readers look them up. */
 #include "import.h"
 
 #include <libdraw/gwydraw.h>
@@ -52,7 +52,7 @@ static void count_function(gpointer name, gpointer count) {
 }
 
 bool import_begin(void) {
-    /* what readers say beside their error is for their authors */
+    /* other messages of the readers are meant for their authors */
     g_log_set_default_handler(stay_silent, NULL);
     gwy_widgets_type_init();
     gwy_resource_class_load(g_type_class_peek(GWY_TYPE_GRADIENT));
@@ -76,7 +76,7 @@ bool import_begin(void) {
 
 /* ---- crashes ---- */
 
-/* What to say of a crash, ready before it happens. */
+/* The message for a crash, made before it can happen. */
 static char crash_message[400];
 
 static void end_crashed(int signal_number) {
@@ -110,7 +110,7 @@ static char *get_text(GwyContainer *container, const char *format, int number) {
     return g_strdup((const char *)text);
 }
 
-/* The first direction that the metadata of a channel give, by the order of their keys. */
+/* The first direction in the metadata of a channel, in the order of their keys. */
 typedef struct direction {
     const char *key, *value;
 } direction;
@@ -128,7 +128,7 @@ static void find_direction(gpointer key, gpointer value, gpointer data) {
     g_free(low);
 }
 
-/* The title of a channel, with its direction behind it unless that is in it already. */
+/* Makes the title of a channel, followed by its direction unless the title has it already. */
 static char *make_title(GwyContainer *container, int number) {
     char *title = get_text(container, "/%d/data/title", number);
     char *key = g_strdup_printf("/%d/meta", number);

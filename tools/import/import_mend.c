@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Known faults of Gwyddion's readers, mended behind them.
+/* Corrects known faults of Gwyddion's readers.
  *
- * WSxM: the sides of a map are given the unit of its heights (seen in 2.62), so that 4.8 um by nm
- * of height become 4.8 nm. The header says both: lines "X Amplitude: 4.8 um", Latin-1. */
+ * WSxM: the reader gives the sides of a map the unit of its heights (seen in 2.62), so that 4.8 um
+ * become 4.8 nm if heights are in nm. The header has the right unit: lines "X Amplitude: 4.8 um",
+ * in Latin-1. */
 #include "import.h"
 
 #include <math.h>
@@ -11,7 +12,7 @@
 
 enum { HEADER_MOST = 1 << 16 };
 
-/* The length behind a key of the header, in metres; 0 if there is none. */
+/* The length after a key of the header, in metres; 0 if there is none. */
 static double find_length(const char *header, const char *key) {
     const char *at = strstr(header, key);
     if (at == NULL) {

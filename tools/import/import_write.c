@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A channel as a Gwyddion Simple Field: a magic line, lines "name = value", one to four 0 so that
- * the data begin at a multiple of four, then little-endian 32-bit numbers row by row. */
+/* Writes a channel as a Gwyddion Simple Field: a magic line; lines "name = value"; one to four zero
+ * bytes, so that the data begin at a multiple of four; then little-endian 32-bit numbers, row by
+ * row. */
 #include "import.h"
 
 #include <errno.h>
@@ -13,7 +14,7 @@
 
 enum { PIXELS_MOST = 1 << 29 };
 
-/* What 32-bit numbers may round off, of the range of the heights. */
+/* What 32-bit numbers may round off, relative to the range of the heights. */
 static const double ROUNDING = 1e-5;
 
 typedef struct heights {
@@ -34,8 +35,8 @@ static heights take_heights(const import_channel *c, bool mask_missing) {
     return h;
 }
 
-/* Heights far from zero would lose their roughness to 32-bit numbers: then they are counted from
- * their mean, which Haft takes off anyway. @return what was taken off, 0: nothing */
+/* Subtracts the mean of heights that lie far from zero, since 32-bit numbers would lose their
+ * roughness. Haft subtracts the mean anyway. @return what was subtracted; 0: nothing */
 static double take_offset(heights *h) {
     double least = INFINITY, greatest = -INFINITY, sum = 0, count = 0;
     for (size_t i = 0; i < h->n; i++) {
@@ -98,7 +99,7 @@ static bool write_all(int descriptor, const GByteArray *bytes) {
     return fsync(descriptor) == 0 || errno == EINVAL;
 }
 
-/* Under another name first, which becomes the right one when all is written. */
+/* Writes under a temporary name, and renames the file when it is complete. */
 static int put(const char *path, const GByteArray *bytes) {
     char *temporary = g_strdup_printf("%s.tmp.%ld", path, (long)getpid());
     int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
