@@ -304,8 +304,7 @@ static double exponent(const double *x, const double *y, int n) {
 typedef struct growth {
     const char *title;
     haft_beam_spec beam;
-    double crack_length,
-        position;  /* crack length that is loaded to, and position of the load [m] */
+    double crack_length, position; /* loaded to this crack, and where [m] */
     double l_meso; /* [m]; 0: divide the beam into as many patches as there are sites */
 } growth;
 
