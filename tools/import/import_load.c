@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reads a file with Gwyddion's modules. Only those that read files are loaded, from Gwyddion's own
- * folder. None of them needs a display as long as the user is asked nothing. Before that, types
- * have to be registered, and colour gradients loaded, since some readers look them up. */
+ * folder. None of them needs a display as long as the user is asked nothing. Types have to be
+ * registered, and colour gradients loaded, since some readers look them up. */
 #include "import.h"
 
 #include <libdraw/gwydraw.h>
