@@ -37,23 +37,23 @@ haft_status haft_laws_peek(char digest[HAFT_DIGEST_CAPACITY], char origin[HAFT_D
  *  over what is there. A failure leaves nothing behind. The file is made in memory, which
  *  briefly takes twice its size.
  *  @param[in] laws what is written
- *  @param[in] c its resolved text and digests go with it
+ *  @param[in] c its resolved text and digests are stored too
  *  @param[in] path of laws.h5
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_ARGUMENT if m is no multiple of sites, HAFT_ERROR_IO (a full disk too),
- *  HAFT_ERROR_MEMORY or HAFT_ERROR_LIBRARY. */
+ *  @return HAFT_ERROR_ARGUMENT if m is not a multiple of sites, HAFT_ERROR_IO (including a full
+ *  disk), HAFT_ERROR_MEMORY or HAFT_ERROR_LIBRARY. */
 haft_status haft_laws_write(const haft_laws *laws, const haft_case *c, const char *path,
                             haft_error *error) HAFT_MUST_CHECK;
 
 /** Reads and checks laws.h5: checksum, signature, layout version, shapes, finiteness (forces and
- *  distances, and the vectors of sound laws). A file rewritten by another HDF5 tool has no checksum
- *  and is read in a child process.
+ *  distances, and the vectors of laws without a fault). A file that another HDF5 tool has rewritten
+ *  has no checksum and is read in a child process.
  *  @param[out] out the laws; NULL after a failure
- *  @param[out] digest may be NULL: of the inputs it was built from
+ *  @param[out] digest of the inputs that the laws were built from; may be NULL
  *  @param[in] path of laws.h5
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged; the
- *  message says how to build it anew. */
+ *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is of another format or
+ *  damaged; the message says how to rebuild it. */
 haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], const char *path,
                            haft_error *error) HAFT_MUST_CHECK;
 
@@ -61,7 +61,7 @@ haft_status haft_laws_read(haft_laws **out, char digest[HAFT_DIGEST_CAPACITY], c
  *  "f_max [MPa]", "d_max [nm]", "d_limit [nm]", in any order. Other columns are ignored, except
  *  that lines with a "fault" other than 0 are left out: so the laws.csv of a case can be read.
  *  @param[out] vector [*m], SI; to be freed with haft_memory_free()
- *  @param[out] m lines read, but for those left out
+ *  @param[out] m number of vectors: the lines read, without those skipped
  *  @param[in] path of the CSV file
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO, or HAFT_ERROR_INPUT with file, line and column name. Loads a units
@@ -121,11 +121,11 @@ haft_status haft_map_write(const haft_map *map, const char *path,
                            haft_error *error) HAFT_MUST_CHECK;
 
 /** Writes a new file, whole or not at all.
- *  @param[in] path where nothing may be yet
+ *  @param[in] path must not exist yet
  *  @param[in] data its bytes
  *  @param[in] size how many
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_EXISTS if something is there, HAFT_ERROR_IO. Thread-safe. */
+ *  @return HAFT_ERROR_EXISTS if `path` exists, HAFT_ERROR_IO. Thread-safe. */
 haft_status haft_io_write(const char *path, const void *data, size_t size,
                           haft_error *error) HAFT_MUST_CHECK;
 
@@ -168,7 +168,7 @@ haft_status haft_results_add(haft_results *results, size_t realization, const ha
  *  flushes and renames. Always frees the handle; a failure leaves nothing behind. */
 haft_status haft_results_finish(haft_results **results, haft_error *error) HAFT_MUST_CHECK;
 
-/** Drops an unfinished file and its temporary name; NULL is allowed. */
+/** Discards an unfinished file and its temporary file; NULL is allowed. */
 void haft_results_abandon(haft_results **results);
 
 /* ---- parts: the realizations of an unfinished run ---- */
@@ -180,10 +180,10 @@ typedef struct haft_part haft_part;
 
 /** Starts a new part, without touching existing ones.
  *  @param[out] out the part; NULL after a failure
- *  @param[in] folder of parts, which is held
- *  @param[in] shard, shards, rank of the process in the run, for the name alone; shard from 1 to
- *  shards, or both 0 for the whole run
- *  @param[in] c, laws_digest what its realizations are of
+ *  @param[in] folder of parts, locked by haft_parts_hold()
+ *  @param[in] shard, shards, rank of the process in the run, used only for the name; shard from 1
+ *  to shards, or both 0 for the whole run
+ *  @param[in] c, laws_digest the case and the laws of its realizations
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO (nothing is left behind), HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_part_create(haft_part **out, const char *folder, size_t shard, size_t shards,
@@ -195,9 +195,9 @@ haft_status haft_part_create(haft_part **out, const char *folder, size_t shard, 
  *  One thread at a time.
  *  @param[in,out] part grows by a record
  *  @param[in] realization which
- *  @param[in] path, summary what became of it
- *  @param[in] laws its own, a set of one realization; NULL where they are drawn from a model
- *  @param[in] dofs unknowns of a state, where the path kept its states
+ *  @param[in] path, summary its results
+ *  @param[in] laws its own, a set of one realization; NULL if they are drawn from a model
+ *  @param[in] dofs unknowns of a state, if the path kept its states
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO (also for a full disk): earlier records stay whole. */
 haft_status haft_part_append(haft_part *part, size_t realization, const haft_path *path,
@@ -244,15 +244,15 @@ size_t haft_parts_repeated(const haft_parts *parts);
  *  to shards, or to different splits. */
 size_t haft_parts_split(const haft_parts *parts);
 
-/** Whether it found this realization. */
+/** Whether the last scan found this realization. */
 bool haft_parts_has(const haft_parts *parts, size_t realization);
 
-/** Reads one realization back; its states too, if they were kept.
+/** Reads one realization back, with its states if they were kept.
  *  @param[out] out its path; NULL after a failure
  *  @param[out] summary its row
- *  @param[out] laws may be NULL; *laws is NULL where none were kept with it
+ *  @param[out] laws may be NULL; *laws is NULL if none were kept with it
  *  @param[in] parts as scanned
- *  @param[in] realization one that haft_parts_has()
+ *  @param[in] realization for which haft_parts_has() is true
  *  @param[in] dofs unknowns a state must have
  *  @param[out] error one message where it fails; may be NULL */
 haft_status haft_parts_read(haft_path **out, haft_summary *summary, haft_laws **laws,
@@ -279,7 +279,8 @@ typedef struct haft_results_view {
 } haft_results_view;
 
 /** Reads the summary and the resolved case of results.h5.
- *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged. */
+ *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is of another format or
+ *  damaged. */
 haft_status haft_results_read(haft_results_view **out, const char *path,
                               haft_error *error) HAFT_MUST_CHECK;
 
@@ -298,21 +299,21 @@ typedef struct haft_results_file haft_results_file;
  *  @param[out] out the file; NULL after a failure
  *  @param[in] path of results.h5
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is foreign or damaged,
- *  HAFT_ERROR_MEMORY. */
+ *  @return HAFT_ERROR_IO if it cannot be opened, HAFT_ERROR_INPUT if it is of another format or
+ *  damaged, HAFT_ERROR_MEMORY. */
 haft_status haft_results_open(haft_results_file **out, const char *path,
                               haft_error *error) HAFT_MUST_CHECK;
 
-/** haft_results_read_path() out of an open file.
+/** Like haft_results_read_path(), but from an open file.
  *  @param[out] out the path; NULL after a failure
  *  @param[in] file from haft_results_open()
  *  @param[in] realization from 0
  *  @param[out] error one message where it fails; may be NULL
- *  @return HAFT_ERROR_INPUT if that realization is not there or damaged, HAFT_ERROR_MEMORY. */
+ *  @return HAFT_ERROR_INPUT if that realization is missing or damaged, HAFT_ERROR_MEMORY. */
 haft_status haft_results_take_path(haft_path **out, haft_results_file *file, size_t realization,
                                    haft_error *error) HAFT_MUST_CHECK;
 
-/** Closes it and sets the pointer to NULL; NULL is allowed. */
+/** Closes a file and sets the pointer to NULL; NULL is allowed. */
 void haft_results_close(haft_results_file **file);
 
 /** Beam shapes kept as evidence. */
@@ -344,7 +345,7 @@ haft_status haft_text_write(const char *path, const char *text, haft_error *erro
  *  @param[out] text its bytes and a 0, for haft_memory_free(); NULL on failure
  *  @param[out] size how many bytes there are before that 0
  *  @param[in] path a regular file without NUL characters
- *  @param[in] most the most bytes it may have
+ *  @param[in] most largest number of bytes allowed
  *  @param[out] error one message where it fails; may be NULL
  *  @return HAFT_ERROR_IO if it cannot be read whole, HAFT_ERROR_INPUT if it is longer than
  *  `most`, holds a NUL character or is no valid UTF-16 behind such a mark, HAFT_ERROR_MEMORY */
@@ -354,7 +355,7 @@ haft_status haft_text_read(char **text, size_t *size, const char *path, size_t m
 /** Takes the next line of a text, of any length, and replaces its line end (LF or CR LF; the
  *  last line may lack one) by a 0. Thread-safe for distinct texts.
  *  @param[in,out] rest the text that is left, at first all of it
- *  @return the line, NULL if there is none left */
+ *  @return the line, NULL at the end of the text */
 char *haft_text_line(char **rest);
 
 /** A column of a CSV file. */
@@ -365,8 +366,8 @@ typedef struct haft_csv_column {
     double factor;       /**< value is multiplied by this on writing; 0 means 1 */
 } haft_csv_column;
 
-/** Writes rows of columns as CSV, first line the names, numbers to 12 digits; whole or not at all
- *  (temporary name, rename). */
+/** Writes columns as CSV: the names in the first line, numbers to 12 digits; whole or not at all
+ *  (temporary file, then rename). */
 haft_status haft_csv_write(const char *path, size_t rows, size_t columns,
                            const haft_csv_column *column, haft_error *error) HAFT_MUST_CHECK;
 
