@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Checks of a case that need several keys at once. Each runs only where the keys it needs are sound
- * by themselves, and names the nearest value that would do. "Divides" means to 1e-9, relative. */
+/* Checks of a case that need several keys at once. Each runs only if the keys it needs are valid by
+ * themselves, and suggests the nearest valid value. "Divides" means to a relative 1e-9. */
 #include "case.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ static const double PI = 3.14159265358979323846;
 
 enum {
     LENGTH_CAPACITY = 40,
-    NEAREST_LIMIT = 2000000, /* counts tried in looking for the nearest length that divides */
+    NEAREST_LIMIT = 2000000, /* counts tried in the search for the nearest length that divides */
     DISTANCES_LEAST = 16,
     DISTANCES_MOST = 1000000,
 };
@@ -22,7 +22,7 @@ static haft_mark place(const haft_case_reader *reader, const char *path) {
     return reader->mark[haft_case_find_key(path)];
 }
 
-/* Complains of a key at its own place and counts it as unsound from then on. */
+/* Complains of a key at its position and marks it as invalid. */
 #define WRONG(reader, path, ...)                                                                   \
     do {                                                                                           \
         haft_case_complain(reader, place(reader, path), path, __VA_ARGS__);                        \
@@ -53,8 +53,8 @@ static double nearest_part(double part, double whole, double unit) {
                 nearest = candidate;
             }
         }
-        /* The shorter side comes nearer by ever smaller steps: once it is farther, nothing is left
-         * but the longer side, whose steps grow. */
+        /* Shorter lengths move away from `part` in ever smaller steps, longer ones in growing
+         * steps. Once a shorter length is farther than the best, no later candidate is nearer. */
         if (nearest > 0 && part - whole / (start + k - 1) > fabs(nearest - part)) {
             break;
         }
@@ -71,7 +71,7 @@ static void check_surface(haft_case_reader *reader, double *lattice) {
                 haft_case_is_sound(reader, "surface.zeta_0");
     bool levels =
         haft_case_is_sound(reader, "surface.s_0") && haft_case_is_sound(reader, "surface.s_1");
-    band = band && c->surface.table == NULL; /* which has been checked */
+    band = band && c->surface.table == NULL; /* which has been checked already */
     levels = levels && c->surface.table == NULL;
     if (band && psd->zeta_0 >= psd->zeta_max) {
         WRONG(reader, "surface.zeta_0",
@@ -101,7 +101,7 @@ static void check_surface(haft_case_reader *reader, double *lattice) {
     }
     size_t ratio = haft_surface_lattice_ratio(psd, c->surface.grid_step);
     if (ratio == 0 && c->surface.grid_step < largest) {
-        *lattice = c->surface.grid_step; /* any will do for patches of a map */
+        *lattice = c->surface.grid_step; /* arbitrary for patches of a map */
         return;
     }
     if (ratio == 0) {
@@ -272,8 +272,8 @@ static void check_forces(haft_case_reader *reader) {
     }
 }
 
-/* Every asperity that a patch can have must be a sphere that the table of van der Waals forces
- * holds. */
+/* Every asperity that a patch can have must be within the range of the table of van der Waals
+ * forces. */
 static void check_spheres(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     static const char *const needed[] = {"surface.grid_step",     "contact.young_modulus",

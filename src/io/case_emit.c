@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The resolved case as text, and the digest of what the laws depend on. Both follow the schema: SI
+/* The resolved case as text, and the digest of the inputs of the laws. Both follow the schema: SI
  * units, 17 digits (which determine a double), keys in the table's order. */
 #include "case.h"
 #include "store.h"
@@ -14,7 +14,7 @@ static const void *field_of(const haft_case *c, const haft_key *key) {
     return (const char *)c + key->offset;
 }
 
-/* Is there anything to write? An optional number without a default may be absent. */
+/* Whether the key has a value to write. An optional number without a default may be absent. */
 static bool is_present(const haft_case *c, const haft_key *key) {
     if (!c->contact.has_capillary && haft_case_is_member(key->path, "contact.capillary")) {
         return false;
@@ -42,7 +42,7 @@ static bool is_present(const haft_case *c, const haft_key *key) {
     return isfinite(value) && (value != 0 || zero);
 }
 
-/* In double quotes, with escapes for what YAML would take otherwise or not at all. */
+/* Writes a text in double quotes, with escapes for what YAML would misread or reject. */
 static void write_quoted(FILE *stream, const char *text) {
     fputc('"', stream);
     for (const char *at = text; *at != '\0';) {
@@ -90,7 +90,7 @@ static void write_evidence(FILE *stream, const haft_case *c) {
     fputc(']', stream);
 }
 
-/* Paths, or, for the digest of the laws, what the files hold. */
+/* Writes paths, or, for the digest of the laws, the digests of the files' contents. */
 static void write_files(FILE *stream, const haft_case_files *files, bool contents) {
     fputc('[', stream);
     for (size_t i = 0; i < files->count; i++) {
@@ -137,8 +137,8 @@ static void write_value(FILE *stream, const haft_case *c, const haft_key *key) {
     }
 }
 
-/* The section that lies directly in `section` ("" for the top) and in which, or in a part of which,
- * a key lies: its length in the key's path; 0 if the key lies in `section` itself. */
+/* Finds the section directly in `section` ("" for the top level) that contains a key at any depth.
+ * Returns the length of its name in the key's path; 0 if the key lies in `section` itself. */
 static size_t inner_section(const char *path, const char *section, size_t length) {
     size_t skip = length > 0 ? length + 1 : 0;
     const char *dot = strncmp(path, section, length) == 0 ? strchr(path + skip, '.') : NULL;
@@ -149,8 +149,8 @@ static bool lies_in(const haft_key *key, const char *section, size_t length) {
     return length == 0 || (strncmp(key->path, section, length) == 0 && key->path[length] == '.');
 }
 
-/* One section whole, at the place of its first key: wherever the schema's table has the keys of a
- * section, each section is opened once. The first `length` characters of `section` name it. */
+/* Writes a whole section at its first key, so that each section is opened once, even if its keys
+ * are not adjacent in the schema. The first `length` characters of `section` name it. */
 static void write_section(FILE *stream, const haft_case *c, const char *section, size_t length,
                           int depth) {
     for (size_t i = 0; i < haft_case_key_count; i++) {
@@ -192,15 +192,15 @@ static void write_input(FILE *stream, const haft_case *c, const haft_key *key) {
     fputc('\n', stream);
 }
 
-/* Whether a key tells how a law is read off a patch, not what the patch is. */
+/* Whether a key affects only how a law is computed from a patch, not the patch. */
 static bool is_read_off(const haft_key *key) {
     bool law = strncmp(key->path, "law.", strlen("law.")) == 0;
     return strncmp(key->path, "contact.", strlen("contact.")) == 0 ||
            (law && strcmp(key->path, "law.chaos.vectors") != 0);
 }
 
-/* What the laws depend on, a line each, or the patches alone that they are read off; a new version
- * of the program may compute them otherwise. */
+/* Writes the inputs of the laws, one per line, or only those of the patches. The program's version
+ * is among them, since a new version may compute other laws. */
 static void write_inputs(FILE *stream, const haft_case *c, bool patches) {
     bool stochastic = haft_sampler_is_stochastic(c->law.sampler);
     haft_laws_need other = stochastic ? HAFT_LAWS_CHAOS : HAFT_LAWS_DIRECT;
@@ -222,7 +222,7 @@ static void write_patch_inputs(FILE *stream, const haft_case *c) {
     write_inputs(stream, c, true);
 }
 
-/* Calls a writer on memory; *text is the stream's own, to be freed with free(). */
+/* Runs a writer on a memory stream; *text belongs to the stream, to be freed with free(). */
 static haft_status write_text(char **text, size_t *size, const haft_case *c,
                               void (*write)(FILE *, const haft_case *), haft_error *error) {
     FILE *stream = open_memstream(text, size);
@@ -231,7 +231,7 @@ static haft_status write_text(char **text, size_t *size, const haft_case *c,
     }
     write(stream, c);
     bool failed = ferror(stream) != 0;
-    failed = fclose(stream) != 0 || failed || *text == NULL; /* the last may fail in silence */
+    failed = fclose(stream) != 0 || failed || *text == NULL; /* a failed write may show only here */
     if (failed) {
         free(*text);
         *text = NULL;

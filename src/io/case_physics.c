@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which forces act in a case, and by which push its laws' walls are defined. */
+/* Which forces act in a case, and the push that defines the walls of its laws. */
 #include "case.h"
 
 haft_physics haft_case_physics(const haft_case *c) {

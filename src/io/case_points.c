@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two columns of a CSV file that a case names: the first line gives the columns' names and units,
- * other columns are passed over. And the water film, which is given so. */
+/* Reads two columns of a CSV file that a case names: the first line gives the columns' names and
+ * units, other columns are ignored. The table of the water film is given in this form. */
 #include "case.h"
 
 #include <string.h>
@@ -28,7 +28,7 @@ static bool find_columns(const char *line, const char *const names[2], size_t pl
     return found[0] && found[1];
 }
 
-/* The number in one column of a line, which is cut there. */
+/* Reads the number in one column of a line, and cuts the line there. */
 static bool find_number(const char *line, size_t place, double *value) {
     for (size_t k = 0; k < place; k++) {
         line = strchr(line, ',');
@@ -81,7 +81,7 @@ static haft_status read_lines(double *points, size_t *n, char *text, const char 
     return HAFT_OK;
 }
 
-/* The file's bytes are digested first, and the lines taken from those. */
+/* Digest and lines come from the same bytes, so that they agree even if the file changes. */
 haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *files,
                                   const char *const names[2], const double factors[2],
                                   haft_error *error) {

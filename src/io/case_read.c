@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads a checked document against the schema: every key to its field or to a complaint, then the
- * keys that are missing, then what needs several keys at once. */
+/* Reads a checked document against the schema: first each key into its field, or a complaint; then
+ * the missing keys; then the checks that need several keys. */
 #include "case_text.h"
 
 #include <stdio.h>
@@ -89,7 +89,7 @@ static bool read_value(haft_case_reader *reader, yaml_document_t *document, int 
     return haft_case_store(reader, key, 0, text, node->data.scalar.length, mark);
 }
 
-/* Complains of a key that the schema does not have, naming the nearest there, or its right place.
+/* Complains of a key that is not in the schema, and suggests the nearest key or the right section.
  */
 static void complain_unknown(haft_case_reader *reader, const char *section, const char *leaf,
                              const char *path, haft_mark mark) {
@@ -199,9 +199,9 @@ static void read_mapping(haft_case_reader *reader, yaml_document_t *document,
     }
 }
 
-/* ---- what is not there ---- */
+/* ---- missing keys ---- */
 
-/* The section that a path lies in, -1 for the top. */
+/* The section of a path, -1 for the top level. */
 static int section_of(const char *path) {
     char name[HAFT_KEY_CAPACITY];
     snprintf(name, sizeof name, "%s", path);
@@ -326,8 +326,8 @@ static haft_status parse(haft_case_reader *reader, const haft_case_text *text, c
     return status;
 }
 
-/* An active mesh begins at this share of the crack asked for: a beam pressed down to that crack
- * stands far above its substrate there, and the solver says so if it does not. */
+/* By default an active mesh begins at this share of the requested crack length. A beam loaded to
+ * that crack length is far above its substrate there; if it is not, the solver reports it. */
 #define ACTIVE_SHARE 0.5
 
 static haft_status resolve(haft_case **out, const haft_case_text *text, const char *path,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is wrong with a case, told all at once: complaints are kept with their place, put in its
- * order and written a line each until the message is full. */
+/* The report of all errors of a case: complaints are kept with their position, sorted by it and
+ * written one per line until the message is full. */
 #include "case.h"
 
 #include <stdarg.h>
@@ -59,7 +59,7 @@ haft_status haft_case_report(haft_case_reader *reader, const char *file, haft_er
     return HAFT_ERROR_INPUT;
 }
 
-/* Levenshtein's distance of words of up to HAFT_KEY_CAPACITY characters. */
+/* Levenshtein distance between words of at most HAFT_KEY_CAPACITY characters. */
 static size_t edit_distance(const char *a, const char *b) {
     size_t row[HAFT_KEY_CAPACITY + 1];
     size_t n = strlen(b);
@@ -85,7 +85,7 @@ const char *haft_case_nearest(const char *word, const char *const *words, size_t
         return NULL;
     }
     const char *nearest = NULL;
-    size_t least = length / 3 > 2 ? length / 3 + 1 : 3; /* farther is no likely slip */
+    size_t least = length / 3 > 2 ? length / 3 + 1 : 3; /* more edits are no likely typing error */
     for (size_t i = 0; i < n; i++) {
         size_t distance =
             strlen(words[i]) > HAFT_KEY_CAPACITY ? SIZE_MAX : edit_distance(word, words[i]);

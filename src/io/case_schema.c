@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a case.yaml may hold, as one table: reading, defaults, the resolved case and the digest of
- * the laws' inputs all follow it. A default is written as a user would write it and is read by the
- * same code. */
+/* The schema of case.yaml as one table: reading, defaults, the resolved case and the digest of the
+ * laws' inputs all follow it. A default is written as a user would write it and read by the same
+ * code. */
 #include "case.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ static const char *const curves[] = {"all", "needed", NULL};
 static const char *const meshes[] = {"uniform", "exact", "active", NULL};
 static const char *const linear_solvers[] = {"auto", "klu", "band", NULL};
 
-/* A choice is stored through an int, and a pair as two doubles in a row. */
+/* A choice is stored through an int, and a pair as two adjacent doubles. */
 _Static_assert(sizeof(haft_asperity_model) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_law_kind) == sizeof(int), "enums are ints");
 _Static_assert(sizeof(haft_unfit) == sizeof(int), "enums are ints");
@@ -99,7 +99,7 @@ const size_t haft_case_section_count = sizeof haft_case_sections / sizeof *haft_
 #define COUNT(place, ...)                                                                          \
     { .path = place, .type = HAFT_KEY_COUNT, .low_in = true, .high_in = true, __VA_ARGS__ }
 
-/* The keys of a section stand together, sections in the order of the table above. */
+/* The keys of a section are adjacent, and the sections are in the order of the table above. */
 const haft_key haft_case_keys[] = {
     {.path = "name", .type = HAFT_KEY_NAME, .example = "my-case", .offset = AT(name)},
     {.path = "title",
@@ -113,7 +113,7 @@ const haft_key haft_case_keys[] = {
      .offset = AT(seed),
      .laws = HAFT_LAWS_ALWAYS},
 
-    /* The PSD by its parameters, or maps, or a table: see haft_case_load_surface(). */
+    /* The PSD is given by its parameters, maps or a table: see haft_case_load_surface(). */
     REAL("surface.zeta_max", "rad/m", POSITIVE, .fallback = "none", .example = "289 rad/um",
          .offset = AT(surface.psd.zeta_max), .laws = HAFT_LAWS_ALWAYS),
     REAL("surface.zeta_0", "rad/m", POSITIVE, .fallback = "none", .example = "19.4 rad/um",
@@ -123,7 +123,7 @@ const haft_key haft_case_keys[] = {
          .offset = AT(surface.psd.s_0), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_SELF_AFFINE),
     REAL("surface.s_1", "m^4", POSITIVE, .fallback = "none", .example = "6.46e-3 nm^4",
          .offset = AT(surface.psd.s_1), .laws = HAFT_LAWS_ALWAYS, .where = HAFT_PART_SELF_AFFINE),
-    /* In place of zeta_0, s_0 and s_1. */
+    /* Instead of zeta_0, s_0 and s_1. */
     REAL("surface.rms", "m", POSITIVE, .fallback = "none", .example = "5 nm",
          .offset = AT(surface.roughness.rms), .laws = HAFT_LAWS_ALWAYS,
          .where = HAFT_PART_ROUGHNESS),
@@ -191,7 +191,7 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.hardness)),
     CHOICE("contact.forces", forces, .fallback = "given", .example = "given",
            .offset = AT(contact.forces), .laws = HAFT_LAWS_ALWAYS),
-    /* 0 only where forces are chosen by it: see the cross checks. */
+    /* 0 only if it determines the forces: see the cross checks. */
     REAL("contact.capillary.humidity", "1", SHARE, .low_in = true, .example = "85 %",
          .offset = AT(contact.capillary.humidity), .laws = HAFT_LAWS_ALWAYS),
     REAL("contact.capillary.temperature", "K", POSITIVE, .fallback = "300 K", .example = "300 K",
@@ -226,7 +226,7 @@ const haft_key haft_case_keys[] = {
          .offset = AT(contact.distance_step), .laws = HAFT_LAWS_ALWAYS),
 
     CHOICE("law.kind", kinds, .example = "morse", .offset = AT(law.kind)),
-    /* One of the two: see the cross checks. */
+    /* One of the two is required: see the cross checks. */
     REAL("law.f_limit", "Pa", POSITIVE, .fallback = "none", .example = "5 MPa",
          .offset = AT(law.f_limit), .laws = HAFT_LAWS_ALWAYS),
     REAL("law.f_limit_share", "1", POSITIVE, .fallback = "none", .example = "20 %",
@@ -265,7 +265,7 @@ const haft_key haft_case_keys[] = {
          .laws = HAFT_LAWS_ALWAYS),
     CHOICE("beam.mesh", meshes, .fallback = "uniform", .example = "uniform",
            .offset = AT(mesh.kind)),
-    /* Required for a uniform mesh alone: see the cross checks. */
+    /* Required only for a uniform mesh: see the cross checks. */
     REAL("beam.element_length", "m", POSITIVE, .fallback = "none", .example = "15 um",
          .offset = AT(mesh.element_length)),
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The surface of a case: a self-affine PSD by its parameters or by its roughness, or maps of one
- * face or both, or a PSD by points in a CSV file. Files are read with the case, so that whoever
- * holds a case holds its surface, and their contents are part of its digests. */
+/* The surface of a case: a self-affine PSD from its parameters or its roughness, maps of one or
+ * both faces, or a PSD by points in a CSV file. The files are read together with the case, so that
+ * a case includes its surface. Their contents are part of its digests. */
 #include "case.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Complains of a key at its own place. */
+/* Complains of a key at its position. */
 #define WRONG(reader, key, ...)                                                                    \
     haft_case_complain(reader, (reader)->mark[haft_case_find_key(key)], key, __VA_ARGS__)
 
@@ -93,7 +93,7 @@ static haft_status read_maps(haft_map_set *set, haft_case_files *files, const ha
     return HAFT_OK;
 }
 
-/* PSD of one face, up to what its tip can be trusted with. */
+/* PSD of one face, cut at the largest wavenumber that the tip resolves. */
 static haft_status estimate(haft_psd_table **out, const haft_map_set *set, const haft_case *c,
                             haft_error *error) {
     const haft_map *maps[HAFT_FILES_MAX];
@@ -149,14 +149,15 @@ static double face_variance(const haft_map_set *set) {
     return count > 0 ? sum / count : 0;
 }
 
-/* sigma^2 of s1 + s2 + 2 coherence sqrt(s1 s2), as if the PSDs were alike but for a factor. */
+/* The rms of the combined heights, sigma^2 = s1 + s2 + 2 coherence sqrt(s1 s2), where s1 and s2 are
+ * the variances of the faces. This assumes PSDs that are proportional to each other. */
 static double measured_rms(const haft_case *c) {
     double first = face_variance(&c->surface.map), second = face_variance(&c->surface.opposite);
     return sqrt(fmax(0, first + second + 2 * c->surface.coherence * sqrt(first * second)));
 }
 
-/* The form fitted to all that the maps tell, up to the case's own cut: that of a resolved case is
- * the limit found, and must give the same form. */
+/* Fits the self-affine form to the whole table, and cuts it only afterwards at the case's zeta_max.
+ * So a resolved case, whose zeta_max is the limit found by the fit, gets the same form. */
 static haft_status settle_fit(haft_case *c, haft_error *error) {
     double cut = c->surface.psd.zeta_max;
     HAFT_TRY(haft_psd_fit_self_affine(&c->surface.fit, c->surface.table, error));
@@ -172,7 +173,7 @@ static haft_status settle_fit(haft_case *c, haft_error *error) {
     return haft_psd_check(psd, error);
 }
 
-/* Cuts the table, and takes its corners or its fit. */
+/* Sets the PSD from the table: its end points after the cut, or its fit. */
 static haft_status settle_psd(haft_case *c, haft_error *error) {
     double cut = c->surface.psd.zeta_max;
     haft_psd_table *t = c->surface.table;
@@ -191,7 +192,7 @@ static haft_status settle_psd(haft_case *c, haft_error *error) {
 
 /* ---- the marginal ---- */
 
-/* All heights of all maps of the first face, each about its mean. */
+/* Collects the heights of all maps of the first face. */
 static haft_status gather_heights(double **z, size_t *n, const haft_case *c, haft_error *error) {
     const haft_map_set *set = &c->surface.map;
     *n = 0;
@@ -208,7 +209,7 @@ static haft_status gather_heights(double **z, size_t *n, const haft_case *c, haf
     return *z == NULL ? HAFT_ERROR_MEMORY : HAFT_OK;
 }
 
-/* Skewness and kurtosis of the maps' heights into what the case leaves open. */
+/* Takes skewness and kurtosis from the maps' heights unless the case gives them. */
 static void take_shape(haft_case *c, const double *z, size_t n) {
     double count = 0, mean = 0, m2 = 0, m3 = 0, m4 = 0;
     for (size_t i = 0; i < n; i++) {
@@ -246,16 +247,16 @@ static haft_status load_marginal(haft_case *c, haft_error *error) {
     return status;
 }
 
-/* ---- all together ---- */
+/* ---- the whole surface ---- */
 
-/* What tells a PSD without files: zeta_max with either three. */
+/* A PSD without files: zeta_max with one of these triples. */
 static const char *const parameter_keys[] = {"surface.zeta_max", "surface.zeta_0", "surface.s_0",
                                              "surface.s_1"};
 static const char *const roughness_keys[] = {"surface.zeta_max", "surface.rms",
                                              "surface.correlation_length", "surface.hurst"};
 enum { PSD_KEYS = 4 };
 
-/* The first key but zeta_max that was written, well or not; NULL if none was. */
+/* The first key other than zeta_max that was written, valid or not; NULL if none was. */
 static const char *first_written(const haft_case_reader *reader, const char *const *keys) {
     for (size_t k = 1; k < PSD_KEYS; k++) {
         haft_key_state state = reader->state[haft_case_find_key(keys[k])];
@@ -266,7 +267,7 @@ static const char *first_written(const haft_case_reader *reader, const char *con
     return NULL;
 }
 
-/* All keys of a form are there. @return false after a complaint, or where one was made before */
+/* Requires all keys of a form. @return false after a complaint, now or before */
 static bool require(haft_case_reader *reader, const char *const *keys) {
     bool good = true;
     for (size_t k = 0; k < PSD_KEYS; k++) {
@@ -281,7 +282,7 @@ static bool require(haft_case_reader *reader, const char *const *keys) {
     return good;
 }
 
-/* No key of a form but zeta_max is there, beside what has it already. */
+/* Rejects all keys of a form except zeta_max, since `beside` already defines the PSD. */
 static bool forbid(haft_case_reader *reader, const char *const *keys, const char *beside) {
     bool good = true;
     for (size_t k = 1; k < PSD_KEYS; k++) {
@@ -295,8 +296,8 @@ static bool forbid(haft_case_reader *reader, const char *const *keys, const char
     return good;
 }
 
-/* The parameters from rms, correlation length and Hurst exponent. What cannot be told makes the
- * parameters unsound, so that nothing more is said of them. */
+/* Computes the parameters from rms, correlation length and Hurst exponent. If that fails, marks the
+ * parameters as invalid, so that no further complaints about them follow. */
 static bool resolve_roughness(haft_case_reader *reader) {
     haft_case *c = reader->c;
     haft_error error = {0};
@@ -314,7 +315,7 @@ static bool resolve_roughness(haft_case_reader *reader) {
     return good;
 }
 
-/* Either form's keys where there are neither maps nor a table; neither's, where there are. */
+/* Without maps or a table, requires the keys of exactly one form; with them, rejects both forms. */
 static bool check_parameters(haft_case_reader *reader, const char *files) {
     const char *parameter = first_written(reader, parameter_keys);
     const char *roughness = first_written(reader, roughness_keys);
@@ -336,7 +337,7 @@ static bool check_parameters(haft_case_reader *reader, const char *files) {
     return roughness != NULL ? resolve_roughness(reader) : require(reader, parameter_keys);
 }
 
-/* Keys that ask for what is not there. */
+/* Rejects values that need something that the case does not have. */
 static bool check_choices(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     bool maps = c->surface.maps.count > 0, good = true;
@@ -367,7 +368,7 @@ static bool check_choices(haft_case_reader *reader) {
     return good;
 }
 
-/* @return false after a complaint of the surface itself */
+/* @return false after a complaint about the surface itself */
 static bool load_surface(haft_case_reader *reader) {
     haft_case *c = reader->c;
     bool maps = haft_case_is_given(reader, "surface.maps");
@@ -384,7 +385,7 @@ static bool load_surface(haft_case_reader *reader) {
     const char *key = maps ? "surface.maps" : table ? "surface.psd" : NULL;
     bool good = check_parameters(reader, key), chosen = check_choices(reader);
     if (!good || !chosen) {
-        return good && key == NULL; /* parameters can be judged all the same */
+        return good && key == NULL; /* parameters can be checked all the same */
     }
     haft_error error = {0};
     haft_status status = HAFT_OK;
@@ -407,7 +408,7 @@ void haft_case_load_surface(haft_case_reader *reader) {
     haft_key_state maps = reader->state[haft_case_find_key("surface.maps")];
     haft_key_state table = reader->state[haft_case_find_key("surface.psd")];
     bool files = maps == HAFT_GOOD || maps == HAFT_BAD || table == HAFT_GOOD || table == HAFT_BAD;
-    if (!load_surface(reader) && files) { /* there is no PSD, so nothing of it can be judged */
+    if (!load_surface(reader) && files) { /* without a PSD its parameters cannot be checked */
         for (size_t k = 0; k < PSD_KEYS; k++) {
             reader->state[haft_case_find_key(parameter_keys[k])] = HAFT_BAD;
         }

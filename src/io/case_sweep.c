@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A sweep: keys by their dotted paths, a list of values each. One reading of the file resolves one
- * variant, whose values are read as if they stood in their keys' places, so that each is checked as
- * any other value is and a variant is a plain case. */
+/* A sweep: keys by their dotted paths, each with a list of values. One reading of the file resolves
+ * one variant. Its values are read as if they were written at their keys, so that they are checked
+ * like any other value and a variant is an ordinary case. */
 #include "case_text.h"
 
 #include <ctype.h>
@@ -41,7 +41,7 @@ static void complain_unknown(haft_case_reader *reader, const char *path, haft_ma
     }
 }
 
-/* Adds "_leaf-value" to the label, without what a folder's name should not hold. */
+/* Adds "_leaf-value" to the label, without characters that do not belong in a folder name. */
 static void add_to_label(struct haft_case_sweep *sweep, const char *leaf, const char *value) {
     char text[HAFT_LABEL_CAPACITY * 2];
     snprintf(text, sizeof text, "_%s-%s", leaf, value);
@@ -54,7 +54,7 @@ static void add_to_label(struct haft_case_sweep *sweep, const char *leaf, const 
     sweep->label[used] = '\0';
 }
 
-/* Checks the list of a key; @return how many values it has, 0 if it is none. */
+/* Checks the list of a key. @return its number of values, 0 if it is not a list */
 static size_t count_values(haft_case_reader *reader, yaml_document_t *document, const char *path,
                            const yaml_node_t *list) {
     haft_mark mark = haft_case_mark_of(list->start_mark);
@@ -80,7 +80,7 @@ static size_t count_values(haft_case_reader *reader, yaml_document_t *document, 
     return n;
 }
 
-/* The value of this reading's variant into its key. */
+/* Stores the value of the current variant in its key. */
 static void take_value(haft_case_reader *reader, yaml_document_t *document, int key,
                        const yaml_node_t *list) {
     const haft_key *k = &haft_case_keys[key];
@@ -99,7 +99,8 @@ static void take_value(haft_case_reader *reader, yaml_document_t *document, int 
     }
     (void)haft_text_quote(sweep->text[sweep->keys], sizeof sweep->text[0], text, strlen(text));
     sweep->keys++;
-    if (strncmp(k->path, "reference.", strlen("reference.")) != 0) { /* it changes no result */
+    if (strncmp(k->path, "reference.", strlen("reference.")) !=
+        0) { /* references do not change results */
         add_to_label(sweep, haft_case_leaf(k->path), text);
     }
 }

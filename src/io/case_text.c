@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The text of a case.yaml before its meaning: a regular file, not large, UTF-8 (or UTF-16 with a
- * byte order mark); then YAML's events:
- * one document, no anchors, tags or deep nesting, so that the tree that libyaml builds of it is
- * small. The first thing wrong ends the reading, with its line and column. */
+/* Checks the text of a case.yaml before the schema applies. It must be a regular file of limited
+ * size, in UTF-8 (or UTF-16 with a byte order mark). Its YAML events must form one document without
+ * anchors, tags or deep nesting, so that the tree that libyaml builds of it is small. The first
+ * error ends the reading, with its line and column. */
 #include "case_text.h"
 #include "text.h"
 
@@ -53,7 +53,7 @@ haft_status haft_case_parser_failed(const yaml_parser_t *parser, const char *fil
                           context != NULL ? " " : "", context != NULL ? context : "");
 }
 
-/* What a case may not use although YAML has it; NULL if the event is fine. */
+/* The name of a YAML feature that a case must not use; NULL if the event is allowed. */
 static const char *forbidden(const yaml_event_t *event, size_t documents, size_t depth) {
     const yaml_char_t *anchor = NULL, *tag = NULL;
     switch (event->type) {

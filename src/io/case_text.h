@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The text of a case.yaml and libyaml's hold on it. Private to this room. */
+/* The text of a case.yaml, and its parsing by libyaml. Private to this room. */
 #ifndef HAFT_IO_CASE_TEXT_H
 #define HAFT_IO_CASE_TEXT_H
 

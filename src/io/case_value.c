@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One value of a case: from its text to its field, or a complaint that names the nearest value that
- * would do. */
+/* Reads one value of a case from its text into its field, or complains and suggests the nearest
+ * valid value. */
 #include "case.h"
 
 #include <ctype.h>
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { QUANTITY_CAPACITY = 200 }; /* the longest text read as a quantity */
+enum { QUANTITY_CAPACITY = 200 }; /* length of the longest text read as a quantity */
 
 static void *field_of(haft_case_reader *reader, const haft_key *key) {
     return (char *)reader->c + key->offset;
@@ -33,7 +33,7 @@ static bool store_text(haft_case_reader *reader, const haft_key *key, const char
     for (size_t i = 0; i < length;) {
         uint32_t code = 0;
         size_t n = haft_text_character(text + i, length - i, &code);
-        if (n == 0 || !haft_text_is_printable(code)) { /* it would not read back */
+        if (n == 0 || !haft_text_is_printable(code)) { /* it could not be read back */
             haft_case_complain(reader, mark, key->path,
                                "holds a control character or a line break; write it on one line");
             return false;
@@ -51,7 +51,7 @@ static bool store_text(haft_case_reader *reader, const haft_key *key, const char
     return true;
 }
 
-/* A whole number; complains if it is none or too large. */
+/* Reads an unsigned integer; complains if the text is not one or it is too large. */
 static bool read_whole(haft_case_reader *reader, const haft_key *key, const char *text,
                        uint64_t *value, haft_mark mark) {
     size_t digits = strspn(text, "0123456789");
@@ -95,7 +95,7 @@ static bool store_whole(haft_case_reader *reader, const haft_key *key, const cha
     return true;
 }
 
-/* "above 0 and below 0.5 Pa" */
+/* Describes the allowed range: "above 0 and below 0.5 Pa". */
 static void describe_range(const haft_key *key, char *text, size_t size) {
     const char *unit = strcmp(key->unit, "1") == 0 ? "" : key->unit;
     const char *space = *unit == '\0' ? "" : " ";
@@ -107,7 +107,7 @@ static void describe_range(const haft_key *key, char *text, size_t size) {
     }
 }
 
-/* What the user may have meant by a number that is out of range. */
+/* Complains of a number that is out of range, and suggests what the user may have meant. */
 static void complain_of_range(haft_case_reader *reader, const haft_key *key, const char *text,
                               double value, haft_mark mark) {
     char range[96];
@@ -127,7 +127,7 @@ static void complain_of_range(haft_case_reader *reader, const haft_key *key, con
                        text, range, key->example);
 }
 
-/* Angles may be in "deg", which UDUNITS-2 knows only as "degree". */
+/* Spells "deg" as "degree", the only form that UDUNITS-2 knows. */
 static void spell_degrees(const haft_key *key, const char *text,
                           char spelled[QUANTITY_CAPACITY + sizeof "ree"]) {
     size_t length = strlen(text);
@@ -137,7 +137,7 @@ static void spell_degrees(const haft_key *key, const char *text,
     snprintf(spelled, QUANTITY_CAPACITY + sizeof "ree", "%s%s", text, degrees ? "ree" : "");
 }
 
-/* Appends an example to what is wrong with a quantity, unless memory was. */
+/* Complains of a quantity and adds an example, unless the failure is of memory or a library. */
 static void complain_of_quantity(haft_case_reader *reader, const haft_key *key,
                                  const haft_error *problem, haft_mark mark) {
     if (problem->status == HAFT_ERROR_MEMORY || problem->status == HAFT_ERROR_LIBRARY) {
@@ -200,7 +200,7 @@ static bool store_choice(haft_case_reader *reader, const haft_key *key, const ch
     return false;
 }
 
-/* One entry of the list of realizations, whose room the caller has made. */
+/* Stores one entry of the list of realizations; the caller has allocated the list. */
 static bool store_evidence(haft_case_reader *reader, const haft_key *key, size_t entry,
                            const char *text, haft_mark mark) {
     uint64_t value = 0;
@@ -220,7 +220,7 @@ static bool store_evidence(haft_case_reader *reader, const haft_key *key, size_t
     return true;
 }
 
-/* A path that is no UTF-8 cannot be written into a resolved case. */
+/* Whether a path is UTF-8. If it is not, it cannot be written into a resolved case. */
 static bool is_text(const char *text) {
     size_t size = strlen(text);
     for (size_t i = 0, n; i < size; i += n) {
@@ -233,7 +233,7 @@ static bool is_text(const char *text) {
     return true;
 }
 
-/* A file's path, from the folder of the case where it is not absolute. */
+/* Stores the path of a file; a relative path starts from the folder of the case. */
 static bool store_file(haft_case_reader *reader, const haft_key *key, size_t entry,
                        const char *text, haft_mark mark) {
     haft_case_files *files = field_of(reader, key);
@@ -268,7 +268,7 @@ static bool store_file(haft_case_reader *reader, const haft_key *key, size_t ent
     return true;
 }
 
-/* A text without the blanks about it, of which quotes and no-break spaces leave some. */
+/* Strips blanks at both ends, which quotes and no-break spaces can leave. */
 static void trim(char trimmed[QUANTITY_CAPACITY + 1], const char *text, size_t *length) {
     size_t used = 0, last = 0, blank;
     for (size_t n = 0; n<*length; n += blank> 0 ? blank : 1) {

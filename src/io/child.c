@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A child process hands its bytes back over a pipe: first a record of fixed size with the status,
- * the message and the number of bytes, then the bytes. A child that dies before the record is whole
- * is a failure of its input. Limits on the child's time and memory end what would not end by
- * itself. The limit of memory counts from what the process has mapped already, since a sanitizer
- * maps terabytes. */
+/* A child process returns its bytes through a pipe: first a record of fixed size with the status,
+ * the message and the number of bytes, then the bytes. If the child dies before the record is
+ * complete, its input is at fault. Limits on CPU time and memory stop a child that would not end by
+ * itself. The memory limit is added to what the process has mapped already, since a sanitizer maps
+ * terabytes. */
 #include "child.h"
 
 #include <errno.h>
@@ -17,9 +17,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* What any input may take, and what each of its bytes adds. */
+/* Memory for any input, and further memory per byte of it. */
 static const size_t SPARE_BYTES = (size_t)1 << 30, BYTES_A_BYTE = 4;
-/* More can only be said by a child whose memory was overwritten. */
+/* A larger size can come only from a child whose memory was overwritten. */
 static const size_t REPLY_MOST = (size_t)1 << 39;
 static const size_t SPARE_SECONDS = 20, BYTES_A_SECOND = (size_t)1 << 25;
 
@@ -57,7 +57,7 @@ static void raise_limit(int resource, rlim_t base, size_t more) {
     }
 }
 
-/* Bytes that the process has mapped; RLIM_INFINITY where the system does not say. */
+/* Bytes that the process has mapped; RLIM_INFINITY if unknown. */
 static rlim_t mapped_bytes(void) {
     char text[64] = "";
     int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
@@ -82,7 +82,8 @@ void haft_child_allow(size_t bytes) {
     raise_limit(RLIMIT_CPU, seconds_used(), SPARE_SECONDS + bytes / BYTES_A_SECOND);
 }
 
-/* Undoes the parent's handlers; what the user's shell had ignored stays ignored. */
+/* Resets the parent's handlers; signals that the user's shell had set to be ignored stay ignored.
+ */
 static void reset_signals(void) {
     static const int user[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
     static const int crash[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE,  SIGILL,  SIGTRAP,
@@ -101,7 +102,7 @@ static void reset_signals(void) {
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-/* A child must end with its parent, and crash without a word or a core file. */
+/* The child must end with its parent, and crash without output or a core file. */
 static void prepare(pid_t parent, int pipe_end, size_t input_bytes) {
     reset_signals();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -112,7 +113,7 @@ static void prepare(pid_t parent, int pipe_end, size_t input_bytes) {
     (void)setrlimit(RLIMIT_CORE, &no_core);
     int nowhere = open("/dev/null", O_RDWR);
     for (int i = STDOUT_FILENO; nowhere >= 0 && i <= STDERR_FILENO; i++) {
-        if (i != pipe_end) { /* the C library tells of a spoilt heap on standard error */
+        if (i != pipe_end) { /* the C library reports a corrupted heap on standard error */
             (void)dup2(nowhere, i);
         }
     }
@@ -125,7 +126,7 @@ static _Noreturn void work_and_exit(int pipe_end, haft_child_work *work, const v
     r.status = work(context, &bytes, &r.size, &r.error);
     r.size = r.status == HAFT_OK ? r.size : 0;
     bool sent = send_bytes(pipe_end, &r, sizeof r) && send_bytes(pipe_end, bytes, r.size);
-    _exit(sent ? 0 : 1); /* no exit handlers: they are the parent's */
+    _exit(sent ? 0 : 1); /* without exit handlers: they belong to the parent */
 }
 
 /* ---- in the parent ---- */
@@ -172,7 +173,7 @@ static haft_status tell_death(int state, const haft_child_input *input, haft_err
                           input->remedy);
 }
 
-/* Reads the report and the bytes; false if the child died before all of them were there. */
+/* Reads the report and the bytes; false if the child died before it sent all of them. */
 static bool take_report(int pipe_end, report *r, void **bytes, haft_error *error) {
     if (!take_bytes(pipe_end, r, sizeof *r)) {
         return false;
@@ -220,7 +221,7 @@ haft_status haft_child_run(void **bytes, size_t *size, haft_child_work *work,
     close(ends[1]);
     report r = {.size = 0};
     bool whole = take_report(ends[0], &r, bytes, error);
-    close(ends[0]); /* a child that still writes ends here */
+    close(ends[0]); /* ends a child that still writes */
     int state = 0;
     while (waitpid(child, &state, 0) < 0 && errno == EINTR) {
     }

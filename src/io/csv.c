@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* CSV for quick plotting: made in memory, then stored whole. Names are quoted where they must be.
+/* CSV for quick plotting, made in memory and then stored whole. Names are quoted where necessary.
  */
 #include "haft/io.h"
 #include "store.h"
@@ -55,7 +55,8 @@ haft_status haft_csv_write(const char *path, size_t rows, size_t columns,
     if (!failed) {
         write_rows(stream, rows, columns, column);
         failed = ferror(stream) != 0;
-        failed = fclose(stream) != 0 || failed || text == NULL; /* the last may fail in silence */
+        failed =
+            fclose(stream) != 0 || failed || text == NULL; /* a failed write may show only here */
     }
     if (failed) {
         free(text);
