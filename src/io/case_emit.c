@@ -231,7 +231,7 @@ static haft_status write_text(char **text, size_t *size, const haft_case *c,
     }
     write(stream, c);
     bool failed = ferror(stream) != 0;
-    failed = fclose(stream) != 0 || failed || *text == NULL; /* a failed write may show only here */
+    failed = fclose(stream) != 0 || failed || *text == NULL; /* the last write may fail here */
     if (failed) {
         free(*text);
         *text = NULL;

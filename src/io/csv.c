@@ -55,8 +55,7 @@ haft_status haft_csv_write(const char *path, size_t rows, size_t columns,
     if (!failed) {
         write_rows(stream, rows, columns, column);
         failed = ferror(stream) != 0;
-        failed =
-            fclose(stream) != 0 || failed || text == NULL; /* a failed write may show only here */
+        failed = fclose(stream) != 0 || failed || text == NULL; /* the last write may fail here */
     }
     if (failed) {
         free(text);

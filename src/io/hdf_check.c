@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a file may ask of the library. Only hard links are followed, only data inside the file are
- * read, only by HDF5's own filters, and only as much as the file can hold. One function reads every
- * attribute: it checks class, number of points and length before a byte is copied. */
+/* Limits on what a file can make the library do. Only hard links are followed; only data inside the
+ * file are read, only through HDF5's own filters, and only as much as the file can hold. One
+ * function reads all attributes: it checks class, number of points and length before it copies a
+ * byte. */
 #include "hdf.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Of an attribute, and of a chunk, which HDF5 reads whole. */
+/* Largest size of an attribute, and of a chunk, which HDF5 reads whole. */
 static const size_t ATTRIBUTE_MOST = (size_t)1 << 20, CHUNK_MOST = (size_t)1 << 28;
-enum { NUMBER_MOST = 16 }; /* bytes of a number in a file */
+enum { NUMBER_MOST = 16 }; /* largest size of a number in a file */
 
 /* ---- links ---- */
 
 const char haft_hdf_missing[] = "is not there";
 
-/* The object one step below `group`; a reason if there is none. */
+/* Opens a member of `group`; gives a reason if there is none. */
 static hid_t step_down(hid_t group, const char *name, const char **reason) {
     H5L_info_t link;
     if (H5Lget_info(group, name, &link, H5P_DEFAULT) < 0) {
@@ -55,19 +56,19 @@ hid_t haft_hdf_enter(hid_t file, const char *path, const char **reason) {
     return at;
 }
 
-/* ---- a bounded walk over all that hard links lead to ---- */
+/* ---- a bounded walk over all objects that hard links reach ---- */
 
 typedef struct walk {
     haft_hdf_visit *visit;
     void *user;
     size_t links, links_most;
     int depth, depth_most;
-    haddr_t above[HAFT_HDF_DEPTH_MOST + 1]; /* the groups that the object lies in, from the root */
+    haddr_t above[HAFT_HDF_DEPTH_MOST + 1]; /* the groups that contain the object, from the root */
     char path[1024];
     const char *reason;
 } walk;
 
-/* A group that a link leads back to would be walked round and round. */
+/* Whether a link leads back to a group that contains it; following it would never end. */
 static bool leads_back(const walk *w, haddr_t address) {
     for (int i = 0; i <= w->depth; i++) {
         if (w->above[i] == address) {
@@ -93,7 +94,7 @@ static herr_t step(hid_t group, const char *name, const H5L_info_t *link, void *
     }
     hid_t object = H5Oopen(group, name, H5P_DEFAULT);
     if (object < 0) {
-        return 0; /* damaged: whoever needs it will miss it */
+        return 0; /* damaged: a reader that needs it reports it as missing */
     }
     memcpy(w->path + used, "/", 1);
     memcpy(w->path + used + 1, name, n + 1);
@@ -113,7 +114,7 @@ const char *haft_hdf_walk(hid_t file, int depth_most, size_t links_most, haft_hd
                           void *user) {
     depth_most = depth_most < HAFT_HDF_DEPTH_MOST ? depth_most : HAFT_HDF_DEPTH_MOST;
     walk w = {.visit = visit, .user = user, .links_most = links_most, .depth_most = depth_most};
-    H5O_info_t root; /* of basic information alone: all of it crashes on damaged headers */
+    H5O_info_t root; /* only basic information: the rest crashes on damaged headers */
     w.above[0] = H5Oget_info2(file, &root, H5O_INFO_BASIC) >= 0 ? root.addr : HADDR_UNDEF;
     herr_t status = H5Literate(file, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, step, &w);
     return status >= 0 || w.reason != NULL ? w.reason : "groups that cannot be read";
@@ -147,8 +148,8 @@ static size_t volume(int rank, const hsize_t *dims, size_t size) {
     return bytes;
 }
 
-/* Compressed data may be larger than the file, by 1032 at most (deflate); plain data may not; a
- * dataset without storage would be a huge nothing. */
+/* Compressed data may be at most 1032 times as large as the file (deflate), other data no larger
+ * than the file. A dataset without storage could claim any size. */
 static const char *check_size(hid_t creation, const haft_hdf_set *set, size_t file_bytes) {
     size_t most = file_bytes;
     if (H5Pget_layout(creation) == H5D_CHUNKED) {
@@ -165,7 +166,8 @@ static const char *check_size(hid_t creation, const haft_hdf_set *set, size_t fi
                : NULL;
 }
 
-/* Before its space is asked for, since a virtual dataset opens other files for the answer. */
+/* To be called before the dataspace is queried: for a virtual dataset the query opens other files.
+ */
 static const char *check_storage(hid_t creation) {
     if (creation < 0) {
         return "cannot be opened; the file is damaged";
@@ -208,7 +210,7 @@ const char *haft_hdf_inspect(haft_hdf_set *set, hid_t dataset, size_t file_bytes
         measure(dataset, set);
         bool number = set->class == H5T_FLOAT || set->class == H5T_INTEGER;
         if (!number || set->type_bytes == 0 || set->type_bytes > NUMBER_MOST) {
-            set->class = H5T_NO_CLASS; /* whoever needs it says which type is wanted */
+            set->class = H5T_NO_CLASS; /* a reader that needs it says which type is expected */
         } else {
             reason = check_size(creation, set, file_bytes);
         }
@@ -221,7 +223,7 @@ const char *haft_hdf_inspect(haft_hdf_set *set, hid_t dataset, size_t file_bytes
 
 /* ---- attributes ---- */
 
-/* Text of fixed length, which need not end in a 0. */
+/* Reads text of fixed length, which may lack a final 0. */
 static haft_hdf_found read_fixed_text(hid_t attribute, hid_t type, char **text) {
     size_t size = H5Tget_size(type);
     if (size == 0 || size > ATTRIBUTE_MOST) {

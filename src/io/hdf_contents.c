@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a data file holds, as the dataset /contents: a line for each dataset and attribute that Haft
- * writes, with a digest of its value. Another program that opens the file for writing, repacks it
- * or adds to it changes the bytes, but no line of it; where a value changed, its line tells which.
- * Descriptions are not covered, nor objects that others added. */
+/* The contents of a data file, as the dataset /contents: a line for each dataset and attribute that
+ * Haft writes, with a digest of its value. If another program opens the file for writing, repacks
+ * it or adds to it, the bytes change but the lines stay valid; if a value changes, its line shows
+ * which. Descriptions and objects added by others are not covered. */
 #include "hdf.h"
 
 #include <stdio.h>
@@ -10,8 +10,8 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "digests are of little-endian numbers");
 
-/* The only dataset that a run of the same case gives other values: a digest of them would make the
- * file differ in one more place. */
+/* The only dataset whose values differ between runs of the same case. It has no digest, since that
+ * would be a second difference between the files. */
 static const char TIMES[] = "/summary/seconds";
 
 enum { SHAPE_CAPACITY = 32 + 21 * H5S_MAX_RANK, NAMES_CAPACITY = 600, NAMED_MOST = 4 };
@@ -22,7 +22,7 @@ static const char *word_of(haft_hdf_kind kind) {
     return kind == HAFT_HDF_TEXT ? "text" : kind == HAFT_HDF_REALS ? "real" : "count";
 }
 
-/* Of three lines: type and extents, digest of the unit, digest of the values. */
+/* The digest of three lines: type and extents, digest of the unit, digest of the values. */
 static void digest_value(char digest[HAFT_DIGEST_CAPACITY], const char *shape, const char *unit,
                          const void *value, size_t bytes) {
     char own[2][HAFT_DIGEST_CAPACITY], all[SHAPE_CAPACITY + sizeof own + 8];
@@ -67,7 +67,7 @@ static bool make_room(haft_hdf *hdf, size_t more) {
     return true;
 }
 
-/* The name may be empty: the line is of a dataset. */
+/* Adds a line; an empty name means that it is of a dataset. */
 static void add_line(haft_hdf *hdf, const char *digest, const char *path, const char *name) {
     size_t more = HAFT_DIGEST_CAPACITY + strlen(path) + strlen(name) + 3;
     if (make_room(hdf, more)) {
@@ -140,7 +140,7 @@ bool haft_hdf_list_has(const char *list, const char *path) {
 
 typedef enum finding { SAME, DIFFERS, MISSING } finding;
 
-/* Names of what was found so, the first few, and the number of all. */
+/* The number of objects with one finding, and the names of the first few. */
 typedef struct found {
     size_t count;
     char names[NAMES_CAPACITY];
@@ -182,7 +182,8 @@ static finding digest_attribute(char digest[HAFT_DIGEST_CAPACITY], hid_t object,
     return got == HAFT_HDF_ABSENT ? MISSING : SAME;
 }
 
-/* The digest stays empty of what cannot be read as Haft writes it. */
+/* The digest of a dataset in the file; empty if the dataset is not readable in the form that Haft
+ * writes. */
 static void digest_found(char digest[HAFT_DIGEST_CAPACITY], hid_t dataset, const char *path,
                          haft_hdf *hdf) {
     haft_hdf_set set;
@@ -192,7 +193,7 @@ static void digest_found(char digest[HAFT_DIGEST_CAPACITY], hid_t dataset, const
     bool real = set.class == H5T_FLOAT;
     size_t n = 1;
     for (int i = 0; i < set.rank; i++) {
-        n *= (size_t)set.dims[i]; /* within what the file can hold */
+        n *= (size_t)set.dims[i]; /* no overflow: haft_hdf_inspect() has bounded the size */
     }
     char *unit = NULL;
     void *value = haft_memory_alloc(n, real ? sizeof(double) : sizeof(int), hdf->error);
@@ -209,7 +210,7 @@ static void digest_found(char digest[HAFT_DIGEST_CAPACITY], hid_t dataset, const
     haft_memory_free(value);
 }
 
-/* `name` is NULL of a dataset. */
+/* Compares an attribute, or a dataset if `name` is NULL, with its digest. */
 static finding verify_object(haft_hdf *hdf, const char *digest, const char *path,
                              const char *name) {
     char actual[HAFT_DIGEST_CAPACITY] = "";
@@ -228,7 +229,7 @@ static finding verify_object(haft_hdf *hdf, const char *digest, const char *path
     return f == SAME && strcmp(actual, digest) != 0 ? DIFFERS : f;
 }
 
-/* Takes the list apart, which its own digest vouches for. */
+/* Verifies each line of the list, after verify_list() has verified the list itself. */
 static void verify_lines(haft_hdf *hdf, char *list, found *differs, found *missing) {
     for (char *line = list, *end = NULL; hdf->status == HAFT_OK && *line != '\0'; line = end + 1) {
         end = strchr(line, '\n');
@@ -263,7 +264,7 @@ static void refuse_changes(haft_hdf *hdf, const found *differs, const found *mis
                     missing->count > 0 ? "missing: " : "", missing->names, rest[1]);
 }
 
-/* The list against its own digest. */
+/* Verifies the list by its own digest. */
 static void verify_list(haft_hdf *hdf, const char *list) {
     char *noted = NULL, digest[HAFT_DIGEST_CAPACITY];
     haft_hdf_read_text(hdf, "/", HAFT_HDF_CONTENTS_DIGEST, &noted);

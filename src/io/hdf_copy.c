@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A file that no checksum vouches for may be from anywhere, and a few changed bytes make HDF5 write
- * beyond its memory. So a child process reads it, and hands back a new file of what Haft reads:
- * groups, datasets of numbers, and attributes of one text or number. The parent opens that alone.
- * Links that lead elsewhere, and data of other kinds, are left behind. */
+/* A file without a valid checksum may come from anywhere, and a few changed bytes can make HDF5
+ * write out of bounds. So a child process reads it and returns a new file with what Haft reads:
+ * groups, datasets of numbers, and attributes of one text or number. The parent opens only that
+ * file. Soft and external links and other kinds of data are left out. */
 #include "child.h"
 #include "hdf.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* /realizations/K/evidence/NAME is the deepest that Haft writes; no object is smaller. */
+/* The deepest path that Haft writes is /realizations/K/evidence/NAME. No object is smaller than
+ * OBJECT_BYTES. */
 enum { DEPTH_MOST = 8, OBJECT_BYTES = 64, ATTRIBUTES_MOST = 256 };
 
 typedef struct copier {
     haft_hdf from, to;
-    char *list; /* what Haft wrote, if the file says it */
+    char *list; /* what Haft wrote, if the file has the list */
 } copier;
 
 /* ---- in the child ---- */
 
-/* An attribute as what it can be read as; one that is neither is left behind. */
+/* Copies an attribute that can be read as a text or a number; others are left out. */
 static void copy_attribute(haft_hdf *to, hid_t object, const char *path, const char *name) {
     char *text = NULL;
     uint64_t count = 0;
@@ -48,7 +49,8 @@ static void copy_attributes(copier *c, hid_t object, const char *path) {
     }
 }
 
-/* As doubles or ints, which is what the readers take. What others added may be of any kind. */
+/* Copies a dataset as doubles or ints, which is what the readers take. A dataset that Haft did not
+ * write may be of any kind. */
 static void copy_dataset(copier *c, hid_t dataset, const char *path) {
     haft_hdf_set set;
     const char *reason = haft_hdf_inspect(&set, dataset, c->from.file_bytes);
@@ -61,7 +63,7 @@ static void copy_dataset(copier *c, hid_t dataset, const char *path) {
     bool real = set.class == H5T_FLOAT;
     size_t n = 1;
     for (int i = 0; i < set.rank; i++) {
-        n *= (size_t)set.dims[i]; /* within what the file can hold */
+        n *= (size_t)set.dims[i]; /* no overflow: haft_hdf_inspect() has bounded the size */
     }
     haft_child_allow(2 * n * sizeof(double));
     double *value = haft_memory_alloc(n, sizeof *value, c->from.error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library itself, and files that it reads from memory: so it sees just the bytes that were
- * checked, whatever becomes of the file meanwhile, and takes no lock. The image is not copied. */
+/* Set-up of the library, and files that it reads from memory. So it sees exactly the bytes that
+ * were checked, even if the file changes meanwhile, and takes no lock. The image is not copied. */
 #include "hdf.h"
 
 #include <stdint.h>
@@ -75,7 +75,7 @@ hid_t haft_hdf_open_image(const void *bytes, size_t size) {
     image own = {bytes, size};
     H5FD_file_image_callbacks_t callbacks = {lend,       keep,       never_resize, take_back,
                                              copy_image, free_image, &own};
-    /* No file may be of this name, and no two images that are open. */
+    /* The name must not be a file's, and must differ between open images. */
     char name[64];
     snprintf(name, sizeof name, "/dev/null/%p", bytes);
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;

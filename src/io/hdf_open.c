@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opening a data file: it is read whole, and the header's checksum is verified before HDF5 sees a
- * byte. Of a file without the header, or that does not match it, HDF5 sees nothing here either: a
- * child process copies what it holds. Another program that opened the file for writing changes its
- * bytes, but not its data: those are compared with the digests in it. */
+/* Opens a data file: reads it whole and verifies the header's checksum before HDF5 sees a byte. If
+ * the header is missing or does not match, HDF5 does not open the file in this process: a child
+ * process copies its contents. A program that opens a file for writing changes its bytes even if
+ * the data stay the same; so the copied data are compared with the digests in the file. */
 #include "hdf.h"
 
 #include <errno.h>
@@ -24,7 +24,7 @@ static void load(haft_hdf *hdf, const char *format) {
     }
 }
 
-/* Where the HDF5 part begins: after no bytes, or after 512, 1024, 2048 ... that others may use. */
+/* Where the HDF5 part begins: at byte 0, or after a user block of 512, 1024, 2048 ... bytes. */
 static bool find_signature(const haft_hdf *hdf, size_t *at) {
     static const char signature[] = "\211HDF\r\n\032\n";
     enum { LENGTH = sizeof signature - 1 };
@@ -40,7 +40,7 @@ static bool find_signature(const haft_hdf *hdf, size_t *at) {
 
 typedef struct vouch {
     bool headed, valid;
-    char reason[100]; /* why a header is not valid */
+    char reason[100]; /* why the header is not valid */
 } vouch;
 
 static vouch check_header(const haft_hdf *hdf) {
@@ -67,9 +67,10 @@ static vouch check_header(const haft_hdf *hdf) {
     return v;
 }
 
-/* ---- files that no checksum vouches for ---- */
+/* ---- files without a valid checksum ---- */
 
-/* Says of a file with a header what is wrong with that, before what the child process said. */
+/* Copies the file in a child process. If that fails and the file has a header, the message begins
+ * with what is wrong with the header. */
 static void copy_apart(haft_hdf *hdf, const vouch *v) {
     haft_error own = {0}, *error = hdf->error;
     hdf->error = &own;
@@ -88,7 +89,8 @@ static void copy_apart(haft_hdf *hdf, const vouch *v) {
     }
 }
 
-/* What another program wrote anew, with the list of digests or, made by hand, without. */
+/* Verifies a file that another program has written. It has a list of digests if Haft wrote it
+ * first. */
 static void verify(haft_hdf *hdf, const vouch *v) {
     hdf->rewritten = haft_hdf_verify(hdf);
     if (hdf->status == HAFT_OK && !hdf->rewritten && v->headed) {
@@ -100,7 +102,7 @@ static void verify(haft_hdf *hdf, const vouch *v) {
     }
 }
 
-/* ---- both ---- */
+/* ---- all files ---- */
 
 static void check_format(haft_hdf *hdf, const char *format) {
     char *found = NULL;
@@ -122,7 +124,7 @@ static void check_format(haft_hdf *hdf, const char *format) {
     }
 }
 
-/* HDF5 opens what the checksum vouches for, or what a child process copied. */
+/* Opens the bytes if their checksum is valid, otherwise the copy that a child process has made. */
 static void open_bytes(haft_hdf *hdf, const char *format) {
     size_t at = 0;
     bool found = find_signature(hdf, &at);
@@ -149,7 +151,7 @@ static void open_bytes(haft_hdf *hdf, const char *format) {
     }
 }
 
-/* What to do destroys nothing. */
+/* The advice for a damaged file; it destroys no data. */
 static const char *choose_remedy(const char *path, const char *format) {
     char parts[4096];
     if (strcmp(format, HAFT_HDF_LAWS) == 0) {

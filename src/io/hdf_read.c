@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reading back with distrust: every link, type, shape and size is checked before a value is read.
- */
+/* Reads untrusted files: checks every link, type, shape and size before it reads a value. */
 #include "hdf.h"
 
 #include <stdarg.h>
@@ -22,8 +21,8 @@ void haft_hdf_refuse(haft_hdf *hdf, const char *format, ...) {
 
 /* ---- objects ---- */
 
-/* Opens what a path leads to. A link that is not followed is refused; what is not there is up to
- * the caller. */
+/* Opens the object at a path. Rejects the file if the path has a soft or external link; the caller
+ * handles missing objects. */
 static hid_t enter(haft_hdf *hdf, const char *path) {
     const char *reason = NULL;
     hid_t object = hdf->status == HAFT_OK ? haft_hdf_enter(hdf->file, path, &reason) : -1;
@@ -33,7 +32,7 @@ static hid_t enter(haft_hdf *hdf, const char *path) {
     return object;
 }
 
-/* Opens what must be there. */
+/* Opens an object that must exist. */
 static hid_t open_object(haft_hdf *hdf, const char *path) {
     hid_t object = enter(hdf, path);
     if (object < 0) {
@@ -103,7 +102,7 @@ void haft_hdf_read_count(haft_hdf *hdf, const char *object, const char *name, ui
 
 /* ---- datasets ---- */
 
-/* Opens a dataset and takes its shape, or refuses it. */
+/* Opens a dataset and gets its shape, or rejects the file. */
 static hid_t open_dataset(haft_hdf *hdf, const char *path, int rank, haft_hdf_set *set) {
     const char *reason = NULL;
     hid_t dataset = enter(hdf, path);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files are made in memory (HDF5's core driver) and then written by plain writes, under a header
- * with a checksum: so a full disk is an ordinary error, which HDF5 on a file would not survive, and
- * a damaged file is known before HDF5 reads it. The cost is memory of the file's size. No object
- * bears a time, so that the same contents make the same bytes. */
+/* Files are made in memory (HDF5's core driver) and then written by plain writes, after a header
+ * with a checksum. So a full disk is an ordinary error, which HDF5 would not survive if it wrote
+ * the file itself, and damage is detected before HDF5 reads the file. The cost is memory of the
+ * file's size. No object has a time stamp, so that the same contents give the same bytes. */
 #include "hdf.h"
 
 #include <stdio.h>
@@ -97,7 +97,7 @@ void haft_hdf_write_text(haft_hdf *hdf, const char *object, const char *name, co
     }
 }
 
-/* A double or a uint64_t, by kind. */
+/* Writes a double or a uint64_t, depending on the kind. */
 static void write_number(haft_hdf *hdf, const char *object, const char *name, haft_hdf_kind kind,
                          const void *value) {
     bool real = kind == HAFT_HDF_REALS;
@@ -158,7 +158,7 @@ static hid_t stored_type(haft_hdf_type type) {
                                   : H5T_STD_U8LE;
 }
 
-/* Into the group `at`, or the file. */
+/* Writes a dataset at a path relative to `at`, a group or the file. */
 static void write_dataset(haft_hdf *hdf, hid_t at, const char *path, haft_hdf_type type, int rank,
                           const hsize_t *dims, const void *value, const char *unit,
                           const char *description) {
@@ -192,7 +192,7 @@ void haft_hdf_write(haft_hdf *hdf, const char *path, haft_hdf_type type, int ran
     }
 }
 
-/* Opens a group, or makes it and those on the way. */
+/* Opens a group, or makes it and the missing groups of its path. */
 static hid_t open_group(haft_hdf *hdf, const char *path) {
     hid_t group = H5Gopen2(hdf->file, path, H5P_DEFAULT);
     if (group < 0) {
@@ -315,7 +315,7 @@ void haft_hdf_list_write(haft_hdf *hdf) {
     }
     char digest[HAFT_DIGEST_CAPACITY];
     hsize_t dims[1] = {list->used};
-    list->kept = false; /* of itself it has no line */
+    list->kept = false; /* the list has no line for itself */
     haft_digest_memory(list->text, list->used, digest);
     haft_hdf_write(hdf, HAFT_HDF_CONTENTS, HAFT_HDF_BYTE, 1, dims, list->text, "1",
                    "characters of a text; a line a dataset or attribute: XXH3-128 digest, path");
