@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* laws.h5: m laws, what they were read off, and such curves on n distances as are kept. The reader
- * trusts nothing: a file that passes has consistent shapes, a rising grid and finite forces. */
+/* laws.h5: m laws, the numbers of their patches, and the kept curves on n distances. The reader
+ * checks everything: an accepted file has consistent shapes, an increasing grid and finite
+ * forces. */
 #include "hdf.h"
 
 #include <limits.h>
@@ -156,8 +157,8 @@ static void read_curves(haft_hdf *hdf, haft_laws *laws) {
     }
 }
 
-/* Makes room for what the file holds; a model fitted to vectors alone has no curves, and where some
- * are left out /curves/law tells which are there. */
+/* Allocates the laws in the file. A model fitted only to vectors has no curves; if only some curves
+ * were kept, /curves/law lists their laws. */
 static void create_read(haft_hdf *hdf, haft_laws **out) {
     size_t curves[2] = {0, 0}, m = 0, kept = 0;
     haft_hdf_shape(hdf, "/laws/fault", 1, &m);
@@ -221,7 +222,7 @@ static void read_laws(haft_hdf *hdf, haft_laws **out) {
     }
 }
 
-/* A digest among the attributes; `empty`: or an empty one, or no attribute. */
+/* Reads a digest from an attribute; with `empty`, it may be empty or absent. */
 static void read_digest(haft_hdf *hdf, const char *object, const char *name, bool empty,
                         char digest[HAFT_DIGEST_CAPACITY]) {
     char *found = NULL;

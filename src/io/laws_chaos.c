@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stochastic model in laws.h5, under /chaos: all that another program needs to sample from it.
- * The model itself checks what is read. */
+/* The stochastic model in laws.h5, under /chaos: everything that another program needs to sample
+ * from it. The model itself checks the data that are read. */
 #include "hdf.h"
 
 #include <math.h>
@@ -19,10 +19,10 @@ static const char NORMALISATION[] =
 
 /* ---- errors ---- */
 
-/* Numbers a component. */
+/* Errors with one number per component. */
 typedef struct error_row {
     const char *name, *description;
-    size_t offset, stride; /* in haft_chaos_errors, in doubles apart */
+    size_t offset, stride; /* offset in haft_chaos_errors; stride in doubles */
 } error_row;
 #define ROW(member, text)                                                                          \
     { #member, text, offsetof(haft_chaos_errors, member), 1 }
@@ -138,7 +138,7 @@ void haft_laws_write_chaos(haft_hdf *hdf, const haft_laws *laws) {
 
 /* ---- reading ---- */
 
-/* The place of an attribute's word among `count` names. */
+/* Reads an attribute that is one of `count` names; returns its index. */
 static int read_choice(haft_hdf *hdf, const char *name, const char *(*name_of)(int), int count) {
     char *text = NULL;
     haft_hdf_read_text(hdf, "/chaos", name, &text);
@@ -165,7 +165,7 @@ static const char *germ_name(int i) {
     return haft_chaos_germ_name((haft_chaos_germ)i);
 }
 
-/* Arrays on their way from the file into a model. */
+/* Arrays read from the file, from which the model is made. */
 typedef struct arrays {
     haft_law_vector *vector;
     double *centre, *coefficient;

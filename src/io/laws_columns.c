@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The columns of law vectors and of the other numbers of a law in a file, and the attribute of
- * f_limit. */
+/* The columns of law vectors and of a law's other numbers in a file, and the attributes of f_limit.
+ */
 #include "hdf.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers in the rows of a text map. What parts them, and whether a comma is a decimal one, is
- * decided from the whole file: semicolons or tabs part numbers where there are any; a comma parts
- * them where a blank follows each one or nothing else could, and else is a decimal one. Between two
- * tabs, commas or semicolons there may be nothing: a missing pixel. */
+/* Reads the numbers in the rows of a text map. The whole file determines the separator and whether
+ * commas are decimal: semicolons or tabs are separators if there are any; commas are separators if
+ * a blank follows each of them or nothing else can be the separator, otherwise they are decimal. An
+ * empty cell between two tabs, commas or semicolons is a missing pixel. */
 #include "map_text.h"
 
 #include <ctype.h>
@@ -13,7 +13,7 @@
 
 enum { CELL_CAPACITY = 64 };
 
-/* What programs write where a height is missing. */
+/* Whether a cell is a word that programs write for a missing height. */
 static bool is_missing(const char *cell) {
     static const char *const words[] = {
         "nan",  "na",       "n/a",          "#n/a",         "#na",     "-",     "--",      "---",
@@ -29,12 +29,12 @@ static bool is_missing(const char *cell) {
            is_missing(cell + 1);
 }
 
-/* What stands between or in the numbers, and the first line of each. */
+/* The first line with each of these characters between or in the numbers; 0: none. */
 typedef struct evidence {
     size_t semicolon, tab, blank, point, comma;
-    size_t spaced;  /* a comma beside a blank */
-    size_t tight;   /* a comma between two characters of numbers */
-    size_t parting; /* a comma that cannot be a decimal one: a sign follows */
+    size_t spaced;  /* a comma next to a blank */
+    size_t tight;   /* a comma without blanks, between two characters of numbers */
+    size_t parting; /* a comma that cannot be decimal, since a sign follows */
 } evidence;
 
 static bool is_blank(char c) {
@@ -59,7 +59,7 @@ static void look_at_comma(evidence *e, const char *text, const char *at, size_t 
 static void look_at_row(evidence *e, const haft_map_row *row) {
     const char *text = row->text + strspn(row->text, " \t");
     for (const char *at = text; *at != '\0'; at++) {
-        const char *next = at + 1 + strspn(at + 1, " "); /* behind a run of blanks */
+        const char *next = at + 1 + strspn(at + 1, " "); /* after a run of blanks */
         switch (*at) {
         case ';':
             note(&e->semicolon, row->number);
@@ -92,7 +92,7 @@ static haft_status two_ways(const haft_map_file *file, size_t line, const char *
                           file->path, line, what);
 }
 
-/* Whether no text but blanks stands in a row. */
+/* Whether a row has only blanks. */
 static bool is_empty(const haft_map_row *row) {
     return row->text[strspn(row->text, " \t")] == '\0';
 }
@@ -105,7 +105,7 @@ static const char *end_of(const char *text, const char *blanks) {
     return end;
 }
 
-/* Whether commas are decimal ones; complains where they could be both. */
+/* Finds out whether commas are decimal; complains if they could be either. */
 static haft_status judge_commas(bool *decimal, const evidence *e, const haft_map_file *file,
                                 haft_error *error) {
     bool apart = e->blank > 0 || e->tab > 0;
@@ -129,8 +129,8 @@ static size_t count_tabs(const char *text) {
     return n;
 }
 
-/* Leaves out rows without any text: all of them, or where tabs part numbers those at the end whose
- * tabs are not as many as the first row's. */
+/* Removes rows without text: all of them, or, if tabs are separators, those at the end that have
+ * not as many tabs as the first row. */
 static void drop_empty_rows(haft_map_row *row, size_t *rows, bool tabs) {
     size_t kept = 0;
     for (size_t i = 0; i < *rows; i++) {
@@ -145,7 +145,7 @@ static void drop_empty_rows(haft_map_row *row, size_t *rows, bool tabs) {
     *rows = kept;
 }
 
-/* A file that begins with a word is no text of numbers, whatever stands in its other lines. */
+/* Rejects a file that begins with a word: it is not a table of numbers, whatever follows. */
 static haft_status check_first(const haft_map_row *row, const haft_map_file *file,
                                haft_error *error) {
     char word[CELL_CAPACITY], quoted[48];
@@ -194,7 +194,7 @@ haft_status haft_map_find_notation(haft_map_notation *notation, haft_map_row *ro
 
 /* ---- one number ---- */
 
-/* One number of a cell, NAN for an empty one or a word that says so. */
+/* Reads the number in a cell; NAN for an empty cell or a word for a missing height. */
 static bool read_cell(const haft_map_notation *notation, const char *text, size_t n,
                       double *value) {
     char cell[CELL_CAPACITY];
@@ -224,7 +224,7 @@ typedef struct reading {
     const haft_map_notation *notation;
     const haft_map_file *file;
     haft_map_table *table;
-    bool titled, *filled; /* filled: columns in which some row has a cell that is not empty */
+    bool titled, *filled; /* filled: columns with a non-empty cell in any row */
 } reading;
 
 static haft_status wrong_cell(const reading *r, const haft_map_row *row, size_t column,
@@ -242,7 +242,7 @@ static haft_status wrong_cell(const reading *r, const haft_map_row *row, size_t 
                                     r->file->path, row->number, quoted, column + 1);
 }
 
-/* The cells between `at` and `end`, or only how many there are where nothing is to be kept. */
+/* Reads the cells of a row, or only counts them if `keep` is false. */
 static haft_status read_row(const reading *r, const haft_map_row *row, bool keep, size_t *columns,
                             haft_error *error) {
     char separator = r->notation->separator;
@@ -280,7 +280,7 @@ static haft_status read_row(const reading *r, const haft_map_row *row, bool keep
     return HAFT_OK;
 }
 
-/* Each row's numbers behind those before it. */
+/* Appends the numbers of all rows, row by row. */
 static haft_status read_rows(reading *r, const haft_map_row *row, size_t rows, haft_error *error) {
     haft_map_table *t = r->table;
     for (size_t i = 0; i < rows; i++) {

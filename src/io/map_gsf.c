@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Gwyddion Simple Field: a magic line, lines "name = value", one to four NUL so that the data begin
- * at a multiple of four, then little-endian 32-bit numbers row by row. Without a unit the sides and
- * the heights are plain numbers, and no lengths: then the options must give them. */
+ * at a multiple of four, then little-endian 32-bit numbers row by row. Without a unit, sides and
+ * heights are not lengths, and the options must give them. */
 #include "map_file.h"
 #include "store.h"
 
@@ -13,12 +13,12 @@
 enum { NAMES = 7 };
 
 typedef struct gsf_header {
-    double columns, rows, width, height; /* 0: not there */
+    double columns, rows, width, height; /* 0: not given */
     char lateral[24], unit[24], title[HAFT_CHANNEL_CAPACITY];
     bool seen[NAMES];
 } gsf_header;
 
-/* "name = value" without the blanks around either; false for a line that is none. */
+/* Splits "name = value" and strips blanks; false for any other line. */
 static bool split(const char *line, size_t n, char name[32], char value[128]) {
     const char *sign = memchr(line, '=', n);
     if (sign == NULL) {
@@ -39,7 +39,7 @@ static bool split(const char *line, size_t n, char name[32], char value[128]) {
     return true;
 }
 
-/* The place of a line's value; complains of a name that was there before. */
+/* Stores the value of a line; complains of a repeated name. */
 static haft_status take(gsf_header *h, const haft_map_file *file, size_t line, const char *name,
                         const char *value, haft_error *error) {
     static const char *const names[NAMES] = {"XRes",    "YRes",   "XReal", "YReal",
@@ -51,7 +51,7 @@ static haft_status take(gsf_header *h, const haft_map_file *file, size_t line, c
         k++;
     }
     if (k == NAMES) {
-        return HAFT_OK; /* what else a program tells of the map */
+        return HAFT_OK; /* other information about the map */
     }
     if (h->seen[k]) {
         return haft_error_set(error, HAFT_ERROR_INPUT, "%s:%zu: %s stands there twice", file->path,
@@ -91,7 +91,7 @@ static haft_status read_header(gsf_header *h, const haft_map_file *file, const c
     return HAFT_OK;
 }
 
-/* The magic line, and where the header ends. */
+/* Checks the magic line and finds the end of the header. */
 static haft_status find_end(const char **end, const haft_map_file *file, haft_error *error) {
     static const char magic[] = "Gwyddion Simple Field 1.0\n";
     size_t n = sizeof magic - 1;
@@ -113,7 +113,7 @@ static haft_status find_end(const char **end, const haft_map_file *file, haft_er
                                          "%s: is cut short: no NUL ends the header", file->path);
 }
 
-/* Bytes up to the data; 0 if those behind the header's end are not all NUL. */
+/* The offset of the data; 0 if the bytes between header and data are not all NUL. */
 static size_t find_data(const haft_map_file *file, const char *end) {
     size_t at = (size_t)(end - file->bytes), start = (at / 4 + 1) * 4;
     for (; at < start && at < file->size; at++) {
@@ -124,7 +124,7 @@ static size_t find_data(const haft_map_file *file, const char *end) {
     return start;
 }
 
-/* The header's units in metres, 0 where it gives none. */
+/* The header's units in metres, 0 if it gives none. */
 static haft_status read_units(gsf_header *h, const haft_map_file *file, double *unit,
                               haft_error *error) {
     *unit = 0;

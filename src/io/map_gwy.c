@@ -2,8 +2,8 @@
 /* Gwyddion's own files (.gwy): "GWYP", then one object GwyContainer. An object is its name, a 0,
  * the length of what follows in four bytes, and its items; an item is its name, a 0, one letter for
  * its type, and its value. Numbers are little-endian. Channel N is the object GwyDataField named
- * "/N/data", its name the text "/N/data/title", and "/N/mask" marks pixels of it. Objects inside a
- * channel are its two units alone, so nothing is followed deeper than that. */
+ * "/N/data", its name is the text "/N/data/title", and "/N/mask" masks pixels of it. The only
+ * objects inside a channel are its two units, so the reader goes no deeper than that. */
 #include "map_file.h"
 
 #include <math.h>
@@ -12,12 +12,12 @@
 
 enum { CHANNELS_MOST = 1024, LIST_CAPACITY = 1200, TITLE_CAPACITY = 160, NUMBER_MOST = 100000000 };
 
-/* Bytes of the file that are left to read. */
+/* The bytes of the file still to be read. */
 typedef struct cursor {
     const unsigned char *at, *end;
 } cursor;
 
-/* A value of an object: of type 'o' and 's' its name or text, of arrays how many. */
+/* An item of an object: for types 'o' and 's' with its name or text, for arrays with the count. */
 typedef struct item {
     const char *name;
     char type;
@@ -29,7 +29,7 @@ typedef struct item {
 typedef struct channel {
     size_t number;
     const char *title;     /* NULL: none */
-    const char *direction; /* of the scan, by its metadata; NULL: none */
+    const char *direction; /* of the scan, from the metadata; NULL: none */
     bool masked;
     cursor field; /* items of its GwyDataField */
 } channel;
@@ -39,7 +39,7 @@ typedef struct field {
     size_t columns, rows, count;
     double width, height;
     const char *lateral, *unit;
-    const unsigned char *z; /* NULL: not there */
+    const unsigned char *z; /* NULL: missing */
 } field;
 
 /* ---- objects and items ---- */
@@ -59,7 +59,7 @@ static double read_double(const unsigned char *bytes) {
     return value;
 }
 
-/* A text with its 0, NULL if none ends it. */
+/* Takes a text that ends in a 0; NULL if the 0 is missing. */
 static const char *take_text(cursor *c) {
     const unsigned char *from = c->at, *end = memchr(from, '\0', (size_t)(c->end - from));
     if (end == NULL) {
@@ -93,7 +93,7 @@ static bool take_object(cursor *c, const char **name, cursor *items) {
     return *name != NULL && take_count(c, &size) && take_bytes(c, size, items);
 }
 
-/* An array of texts ('S') or objects ('O'), which is passed over. */
+/* Skips an array of texts ('S') or objects ('O'). */
 static bool pass_array(cursor *c, char type, size_t count) {
     for (size_t k = 0; k < count; k++) {
         const char *name = NULL;
@@ -105,7 +105,7 @@ static bool pass_array(cursor *c, char type, size_t count) {
     return true;
 }
 
-/* The next item; false if the rest of the object holds none whole. */
+/* Takes the next item; false if the rest of the object has no complete one. */
 static bool take_item(cursor *c, item *i) {
     static const char types[] = "bciqdCIQD";
     static const size_t sizes[] = {1, 1, 4, 8, 8, 1, 4, 8, 8};
@@ -156,7 +156,7 @@ static haft_status open_file(cursor *items, const haft_map_file *file, haft_erro
     return HAFT_OK;
 }
 
-/* The N of "/N/" at the beginning of a name, and what follows; NULL if the name is another. */
+/* Finds N in a name "/N/...", and returns what follows; NULL for other names. */
 static const char *split_name(const char *name, size_t *number) {
     *number = 0;
     if (*name != '/' || name[1] < '0' || name[1] > '9') {
@@ -178,8 +178,8 @@ static channel *find_number(channel *channels, size_t n, size_t number) {
     return NULL;
 }
 
-/* The text of the metadata whose key ends in "direction"; NULL if there is none. What is damaged is
- * left: it is no part of the map. */
+/* The text of the metadata whose key ends in "direction"; NULL if there is none. Damaged metadata
+ * are ignored, since they are no part of the map. */
 static const char *find_direction(cursor meta) {
     static const char word[] = "direction";
     item i;
@@ -192,7 +192,7 @@ static const char *find_direction(cursor meta) {
     return NULL;
 }
 
-/* What an item says of a channel beside its heights. */
+/* Stores what an item says about a channel, other than heights. */
 static void describe(channel *c, const char *what, const item *i) {
     if (strcmp(what, "data/title") == 0 && i->type == 's') {
         c->title = i->text;
@@ -203,7 +203,8 @@ static void describe(channel *c, const char *what, const item *i) {
     }
 }
 
-/* All channels, then what is said of them, which may stand before or after them. */
+/* Finds all channels in the first pass; the second reads the items about them, which may come
+ * before or after them. */
 static haft_status find_channels(channel *channels, size_t *n, cursor items,
                                  const haft_map_file *file, haft_error *error) {
     for (int pass = 0; pass < 2; pass++) {
@@ -235,7 +236,7 @@ static haft_status find_channels(channel *channels, size_t *n, cursor items,
     return HAFT_OK;
 }
 
-/* The text of a GwySIUnit; NULL if the object is none. */
+/* The text of a GwySIUnit; NULL for another object. */
 static const char *read_unit(const item *i) {
     const char *unit = "";
     if (i->type != 'o' || strcmp(i->text, "GwySIUnit") != 0) {
@@ -253,7 +254,7 @@ static const char *read_unit(const item *i) {
     return unit;
 }
 
-/* Whole numbers below 0 come out as large ones, which no map has. */
+/* Reads the items of a channel. Negative integers become large ones, which no map has. */
 static bool read_field(field *f, cursor items) {
     *f = (field){.lateral = "", .unit = ""};
     for (cursor c = items; c.at < c.end;) {
@@ -287,7 +288,7 @@ static const char *bare_title(const channel *c) {
     return c->title != NULL && c->title[0] != '\0' ? c->title : "untitled";
 }
 
-/* The title with the direction behind it, "Height [Trace]", unless that is in it already. */
+/* The title followed by the direction, "Height [Trace]", unless the title has it already. */
 static const char *full_title(char title[TITLE_CAPACITY], const channel *c) {
     const char *bare = bare_title(c);
     bool told = c->direction == NULL || strcasestr(bare, c->direction) != NULL;
@@ -295,7 +296,7 @@ static const char *full_title(char title[TITLE_CAPACITY], const channel *c) {
     return title;
 }
 
-/* All channels for a message: numbers, titles, units. */
+/* Lists all channels for a message: numbers, titles, units. */
 static const char *list_channels(char list[LIST_CAPACITY], const channel *channels, size_t n) {
     list[0] = '\0';
     for (size_t k = 0; k < n; k++) {
@@ -315,7 +316,7 @@ static const char *list_channels(char list[LIST_CAPACITY], const channel *channe
     return list;
 }
 
-/* The one that is named, by its title with or without the direction, or by its number. */
+/* Chooses the channel named by its title, with or without the direction, or by its number. */
 static haft_status choose_named(const channel **chosen, const channel *channels, size_t n,
                                 const haft_map_file *file, haft_error *error) {
     const char *name = file->options.channel;
@@ -346,7 +347,8 @@ static haft_status choose_named(const channel **chosen, const channel *channels,
                           list_channels(list, channels, n));
 }
 
-/* The only one of heights: whose unit is a length, or which has none where the options give it. */
+/* Chooses the only channel of heights: its unit is a length, or it has none and the options give
+ * it. */
 static haft_status choose_only(const channel **chosen, const channel *channels, size_t n,
                                const haft_map_file *file, haft_error *error) {
     char list[LIST_CAPACITY];
@@ -355,7 +357,7 @@ static haft_status choose_only(const channel **chosen, const channel *channels, 
         field f;
         double length = 0;
         bool sound = read_field(&f, channels[k].field);
-        /* a damaged one could be meant, so it counts */
+        /* a damaged channel could be the one, so it counts */
         if (!sound || haft_map_length(1, f.unit, &length) ||
             (f.unit[0] == '\0' && file->options.unit > 0)) {
             *chosen = &channels[k];
@@ -384,7 +386,7 @@ static haft_status choose_only(const channel **chosen, const channel *channels, 
 
 /* ---- the map ---- */
 
-/* Sides and units of a channel in metres, 0 where it gives none. */
+/* Sides and units of a channel in metres, 0 if it gives none. */
 static haft_status check_field(field *f, double *unit, const haft_map_file *file, const char *title,
                                haft_error *error) {
     char quoted[48], wrong[48];

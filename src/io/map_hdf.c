@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A height map as an HDF5 dataset of two dimensions, besides those of length 1, with the attributes
- * `unit` (or NetCDF's `units`, text) and `size` (width and height, in metres), and NetCDF's of
- * packing and missing values. Such a file is from anywhere, and HDF5 crashes on some that are
- * damaged: a child process reads it and hands the matrix back. */
+/* A height map as an HDF5 dataset of two dimensions, not counting those of length 1, with the
+ * attributes `unit` (or NetCDF's `units`, text) and `size` (width and height, in metres), and
+ * NetCDF's attributes for packing and missing values. Such a file may come from anywhere, and HDF5
+ * crashes on some damaged ones: a child process reads it and returns the matrix. */
 #include "map_hdf.h"
 #include "child.h"
 
@@ -10,10 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Objects that are looked at to find the map of a file. A file with more must be told which. */
+/* Objects that are searched for the map of a file. For a file with more, the user must name it. */
 enum { LINKS_MOST = 10000, SIDE_MOST = 32768 };
 
-/* What the child hands back; rows x columns heights follow. */
+/* The result of the child; rows x columns heights follow. */
 typedef struct found_map {
     char name[256];
     size_t rows, columns, masked;
@@ -23,7 +23,7 @@ typedef struct found_map {
 
 /* ---- which dataset ---- */
 
-/* The two sides of a dataset whose other dimensions are of length 1. */
+/* Finds the two sides of a dataset whose other dimensions have length 1. */
 static bool find_sides(const haft_hdf_set *about, hsize_t side[2]) {
     int n = 0;
     for (int i = 0; i < about->rank; i++) {
@@ -34,7 +34,7 @@ static bool find_sides(const haft_hdf_set *about, hsize_t side[2]) {
     return n == 2;
 }
 
-/* Why a dataset that lies in the file well is no map. */
+/* Says why an undamaged dataset is not a map. */
 static void say_what_it_is(char what[160], hid_t set, const haft_hdf_set *about) {
     hid_t type = H5Dget_type(set);
     H5T_class_t class = type >= 0 ? H5Tget_class(type) : H5T_NO_CLASS;
@@ -58,12 +58,12 @@ static void say_what_it_is(char what[160], hid_t set, const haft_hdf_set *about)
     }
 }
 
-/* Names of the two-dimensional datasets that a file holds. */
+/* The search for the two-dimensional datasets of a file. */
 typedef struct finder {
     size_t file_bytes;
     char names[512];
     char first[256];
-    char other[256]; /* the first that is no map, and why */
+    char other[256]; /* the first that is not a map, and why */
     haddr_t seen[LINKS_MOST];
     size_t found;
     const char *incomplete; /* why not all were found */
@@ -75,7 +75,7 @@ static herr_t visit(void *user, const char *path, hid_t object, H5I_type_t kind,
     if (kind != H5I_DATASET) {
         return 0;
     }
-    /* One that is refused is named all the same, and what is wrong with it told when it is read. */
+    /* A rejected dataset is listed too; the error is reported when it is read. */
     bool refused = haft_hdf_inspect(&set, object, f->file_bytes) != NULL;
     hsize_t side[2];
     bool map = set.class != H5T_NO_CLASS && find_sides(&set, side);
@@ -113,7 +113,7 @@ static finder *find(const haft_map_file *file, hid_t hdf, haft_error *error) {
     return f;
 }
 
-/* The only one there is. */
+/* Chooses the only map in the file. */
 static haft_status choose(char name[256], const haft_map_file *file, hid_t hdf, haft_error *error) {
     finder *f = find(file, hdf, error);
     if (f == NULL) {
@@ -139,7 +139,7 @@ static haft_status choose(char name[256], const haft_map_file *file, hid_t hdf, 
     return status;
 }
 
-/* The dataset of that name; if there is none, the message lists those there are. */
+/* Opens the dataset of a name; if there is none, the message lists the names in the file. */
 static hid_t open_set(const haft_map_file *file, hid_t hdf, const char *name, haft_error *error) {
     char quoted[48];
     const char *reason = NULL;
@@ -167,8 +167,8 @@ static hid_t open_set(const haft_map_file *file, hid_t hdf, const char *name, ha
 
 /* ---- its contents ---- */
 
-/* Metres of the text attribute `unit`, or of NetCDF's `units`; 0 if there is neither. False if it
- * is no length. */
+/* Reads the text attribute `unit`, or NetCDF's `units`, in metres; 0 if there is neither. False if
+ * it is not a length. */
 static bool read_unit(hid_t set, double *unit) {
     static const char *const names[] = {"unit", "units"};
     haft_hdf_found found = HAFT_HDF_ABSENT;
@@ -184,7 +184,7 @@ static bool read_unit(hid_t set, double *unit) {
     return found == HAFT_HDF_ABSENT || (found == HAFT_HDF_FOUND && *unit > 0);
 }
 
-/* The attribute `size`; zeros if there is none. */
+/* Reads the attribute `size`; zeros if there is none. */
 static bool read_size(hid_t set, double size[2]) {
     size[0] = size[1] = 0;
     haft_hdf_found found = haft_hdf_get_attribute(set, "size", HAFT_HDF_REALS, 2, size);
@@ -256,7 +256,7 @@ static haft_status read_set(const haft_map_file *file, hid_t set, found_map *map
     return HAFT_OK;
 }
 
-/* In the child. */
+/* Runs in the child. */
 static haft_status read_file(const void *context, void **bytes, size_t *size, haft_error *error) {
     const haft_map_file *file = context;
     found_map map = {.rows = 0};
@@ -284,7 +284,8 @@ static haft_status read_file(const void *context, void **bytes, size_t *size, ha
 
 /* ---- in the parent ---- */
 
-/* Marks that no attribute declares are told by the numbers as they stand in the file. */
+/* Converts the numbers to heights. Undeclared fill values are searched before that, in the numbers
+ * as they are in the file. */
 static haft_status unpack(haft_map **out, const haft_map_file *file, const haft_map_packing *p,
                           haft_error *error) {
     haft_map *map = *out;

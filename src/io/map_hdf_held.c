@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HDF5 files that another program holds open for writing, or that were not closed: HDF5 locks the
- * one, and marks both in the superblock where it writes the newest format. Either looks like
- * damage, and is none. */
+/* HDF5 files that another program has open for writing, or did not close. HDF5 locks an open file,
+ * and in its newest format marks both in the superblock. Both look like damage, but are not. */
 #include "map_hdf.h"
 
 #include <errno.h>
@@ -20,8 +19,8 @@ bool haft_map_hdf_is_locked(const haft_map_file *file) {
     return locked;
 }
 
-/* Whether the superblock says that it is open for writing: byte 20 of its versions 0 and 1, byte 11
- * of 2 and 3. */
+/* Whether the superblock says that the file is open for writing: byte 20 of its versions 0 and 1,
+ * byte 11 of 2 and 3. */
 static bool is_marked_open(const haft_map_file *file) {
     for (size_t at = 0; at + 24 <= file->size; at = at == 0 ? 512 : 2 * at) {
         const char *block = file->bytes + at;

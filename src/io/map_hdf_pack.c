@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Packed numbers and missing pixels of an HDF5 dataset, by the conventions of NetCDF (CF 1.11,
- * sections 2.5.1 and 8.1): all marks and limits are of the packed numbers. A dataset's own fill
- * value stands where nothing was ever written; 0 says nothing, since programs set it without a
- * thought. */
+ * sections 2.5.1 and 8.1): fill values and limits apply to the packed numbers. A dataset's own fill
+ * value is in pixels that were never written; a fill value of 0 is ignored, since programs often
+ * set it by default. */
 #include "map_hdf.h"
 
 #include <float.h>
 #include <math.h>
 
-/* One number; true if it is not there. */
+/* Reads one number; also true if the attribute is absent. */
 static bool read_one(hid_t set, const char *name, double *value) {
     haft_hdf_found found = haft_hdf_get_attribute(set, name, HAFT_HDF_REALS, 1, value);
     return found == HAFT_HDF_FOUND || found == HAFT_HDF_ABSENT;
 }
 
-/* Any count of numbers. */
+/* Reads an attribute with any number of fill values. */
 static bool read_fills(haft_map_packing *p, hid_t set, const char *name) {
     size_t room = HAFT_MAP_FILLS_MOST - p->fills;
     for (size_t n = 1; n <= room; n++) {
@@ -36,7 +36,7 @@ static bool read_range(haft_map_packing *p, hid_t set) {
     return (found == HAFT_HDF_FOUND || found == HAFT_HDF_ABSENT) && p->least <= p->most;
 }
 
-/* What the library puts where nothing was written. */
+/* Reads the fill value of the library, for pixels that were never written. */
 static void read_own_fill(haft_map_packing *p, hid_t set) {
     H5D_fill_value_t state = H5D_FILL_VALUE_UNDEFINED;
     double value = 0;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names of formats that Haft does not read, so that whoever has such a file is told what it is and
- * what to do. A format is known by its first bytes; where several share them (TIFF, ZIP), by what
- * the file lists; where it has none of its own, by its name, and this is said. */
+/* Formats that Haft knows but does not read, so that the message can say what the file is and what
+ * to do. A format is recognised by its first bytes; if several formats share them (TIFF, ZIP), by
+ * the contents that the file lists; if it has no fixed first bytes, by the file's name, and the
+ * message says so. */
 #include "map_file.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* What to do about a file. */
+/* What to do with a file. */
 typedef enum advice { CONVERT, UNPACK, IMAGE, CURVES, OTHER } advice;
 
 static const char *const advices[] = {
@@ -22,11 +23,11 @@ static const char *const advices[] = {
 
 typedef struct known {
     const char *name;
-    const char *begins;    /* first bytes, NULL: told by its name alone */
+    const char *begins;    /* first bytes; NULL: recognised only by the file's name */
     size_t length, offset; /* of them */
-    const char *extension; /* of such files, "" for none of its own */
+    const char *extension; /* of such files, "" if they have none of their own */
     advice advice;
-    const char *remedy; /* of OTHER */
+    const char *remedy; /* for OTHER */
 } known;
 
 #define MAGIC(text) (text), sizeof(text) - 1, 0
@@ -35,7 +36,7 @@ typedef struct known {
 
 static const char MESH[] = "put its points onto a grid, and save the heights as text or CSV";
 
-/* The longer of two beginnings stands first. */
+/* Of two beginnings that match, the longer one comes first. */
 static const known formats[] = {
     {"a Digital Surf map (sur, pro)", MAGIC("DIGITAL SURF"), ".sur", CONVERT, NULL},
     {"a Digital Surf map (sur, pro)", MAGIC("DSCOMPRESSED"), ".pro", CONVERT, NULL},
@@ -130,7 +131,7 @@ static const known formats[] = {
 
 enum { FORMATS = sizeof formats / sizeof *formats };
 
-/* ---- formats that are no plain beginning ---- */
+/* ---- formats that need more than their first bytes ---- */
 
 static uint32_t word_at(const haft_map_file *file, size_t at, size_t n, bool big_endian) {
     uint32_t word = 0;
@@ -145,7 +146,7 @@ static bool holds(const haft_map_file *file, const char *name) {
     return memmem(file->bytes, file->size, name, strlen(name)) != NULL;
 }
 
-/* Igor's binary waves: a version, and headers whose 16-bit words add up to 0. */
+/* Igor's binary waves: a version, and headers whose 16-bit words have the sum 0. */
 static bool is_igor(const haft_map_file *file) {
     static const struct {
         uint32_t version;
@@ -198,7 +199,7 @@ static const known *find_tiff(const haft_map_file *file) {
     return &other;
 }
 
-/* ZIP: the names of what it holds stand in it as they are. */
+/* ZIP: the names of its members are in it as plain text. */
 static const known *find_zip(const haft_map_file *file) {
     static const struct {
         const char *holds;
@@ -232,7 +233,8 @@ static const known *find_zip(const haft_map_file *file) {
     return array ? &numpy : &other;
 }
 
-/* Its first bytes are letters that texts begin with, too; its size follows them. */
+/* A bitmap begins with two letters, as a text may; so its size, which follows them, is checked too.
+ */
 static bool is_bitmap(const haft_map_file *file) {
     return file->size >= 14 && memcmp(file->bytes, "BM", 2) == 0 &&
            word_at(file, 2, 4, false) == file->size;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the readers of all kinds of maps share: units, texts for messages, and the map itself, from
- * its size to its scaled heights. */
+/* What the readers of all kinds of maps share: units, texts for messages, and the making of the
+ * map, from its size to its scaled heights. */
 #include "map_file.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 #include <string.h>
 
 bool haft_map_length(double number, const char *unit, double *value) {
-    /* The units database would do, but takes longer to load than most maps to read. The micro sign
-     * comes as "~", in Latin-1, and in UTF-8 by either code point. */
+    /* The units database takes longer to load than most maps to read. The micro sign occurs as "~",
+     * in Latin-1, and in UTF-8 as either code point. */
     static const struct {
         const char *name;
         double length;
@@ -85,7 +85,7 @@ void haft_map_remark(haft_map *map, const char *format, ...) {
     va_end(arguments);
 }
 
-/* Whether the file and the options both give a length, and not the same. */
+/* Whether the file and the options give different lengths. */
 static bool contradicts(double own, double given) {
     return own > 0 && given > 0 && fabs(given / own - 1) > 1e-6;
 }

@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Marks of missing pixels that a file does not declare: -9999, the largest float, and the like.
- * They are no heights, and taken for such they make every statistic meaningless; whether they are
- * marks is for the user to say, so a map with one is refused.
+/* Fill values for missing pixels that a file does not declare: -9999, the largest float, and the
+ * like. Read as heights, they make all statistics meaningless. Only the user can say whether they
+ * are fill values, so a map with one is rejected.
  *
- * Suspicious are the smallest and the greatest value, each by itself: values known as marks that
- * stand apart from the others, and any value further from the others than a thousand times their
- * range. Limits of whole-number types are also where an instrument clips, and where a map that was
- * stretched to the type ends: they must stand further apart. */
+ * The smallest and the largest value are checked, each by itself. A usual fill value is suspicious
+ * at some distance from the others, any other value at more than a thousand times their range.
+ * Limits of integer types also occur where an instrument clips or a map was stretched to the type,
+ * so for them the distance must be larger than for a usual fill value. */
 #include "map_file.h"
 
 #include <float.h>
 #include <math.h>
 
-/* No height of a map is greater [m]; files without a right unit may still say metres. */
+/* Upper limit of a height [m]; it also detects wrong units, such as metres. */
 static const double HEIGHT_MOST = 1e3;
-/* Of the others' range: from a known mark, from a type's limit, and from any value. */
+/* Distance to the other values at which a value is suspicious, in units of their range: for a usual
+ * fill value, for the limit of a type, and for any value. */
 static const double APART_MARK = 0.01, APART_LIMIT = 1, APART_ANY = 1e3;
 
-/* An extreme value and what is next to it. */
+/* An extreme value and the value next to it. */
 typedef struct edge {
     double value, next; /* NAN: there is none */
     size_t count;
@@ -43,7 +44,7 @@ static bool is_type_limit(double value) {
     return is_among(value, limits, sizeof limits / sizeof *limits);
 }
 
-/* Both edges; `sign` -1 turns the smallest into the greatest. */
+/* Finds the largest value, or with `sign` -1 the smallest. */
 static edge find_edge(const haft_map *map, double sign) {
     edge e = {NAN, NAN, 0};
     for (size_t i = 0; i < map->rows * map->columns; i++) {
@@ -66,7 +67,7 @@ static edge find_edge(const haft_map *map, double sign) {
     return e;
 }
 
-/* Whether the edge looks like a mark; `range` is that of the other values. */
+/* Whether an edge looks like a fill value; `range` is that of the other values. */
 static bool is_mark(const edge *e, double range) {
     double gap = fabs(e->value - e->next);
     if (is_known_mark(e->value)) {
@@ -102,7 +103,7 @@ haft_status haft_map_check_marks(const haft_map *map, const haft_map_file *file,
             file->path, far->value, far->count, far->value * unit);
     }
     if (isnan(top.next)) {
-        return HAFT_OK; /* one value, or none: nothing to compare it with */
+        return HAFT_OK; /* at most one value: nothing to compare with */
     }
     if (is_mark(&top, top.next - bottom.value)) {
         return refuse(file, &top, bottom.value, top.next, error);

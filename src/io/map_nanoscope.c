@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Nanoscope files: a text header, and the channels' raw integers at offsets that it gives. Lines
- * are stored from the bottom of the image whichever way the frame was scanned ("Frame direction"),
- * and points from its left in retraces too.
+/* Nanoscope files: a text header, and the raw integers of the channels at offsets that it gives.
+ * Lines are stored from the bottom of the image in both scan directions of the frame ("Frame
+ * direction"), and points from its left, in retraces too.
  *
- * How many pixels: "Samps/line" times "Number of lines" of the channel's list; where the data are
- * not as many, "Valid data len X" and "Y", or "Samps/line" and "Lines" of the scan list. Some files
- * have the truth only there: one of pySPM's tests says 512 lines and holds the 32 that "Valid data
- * len Y" says, and Gwyddion's reader tells of lists whose own sizes are bogus.
+ * The number of pixels is "Samps/line" times "Number of lines" of the channel's list. If the data
+ * do not have this number, it is "Valid data len X" and "Y", or "Samps/line" and "Lines" of the
+ * scan list. In some files only those are right: a test file of pySPM says 512 lines but has the 32
+ * that "Valid data len Y" says, and Gwyddion's reader reports lists with wrong sizes of their own.
  *
- * How large: "Scan size" of two different numbers is the map's. Two equal numbers, or one, are the
- * side of the scan's frame, and its other side follows from the "Aspect ratio", width to height:
+ * The size: if "Scan size" has two different numbers, they are the map's sides. Two equal numbers,
+ * or one, are a side of the scan's frame. The other side follows from the "Aspect ratio", width to
+ * height:
  *  - the channel's own, if it is a ratio such as 2:1. Users of such scans of 10 um report 10 x 5 um
- *    (pySPM's issue 22); Gwyddion multiplies by the lines, which comes to the same for square
- *    pixels;
- *  - else the scan list's, and of that frame the share that its "Lines" have in the channel. A cut
- *    image of 358 of 512 lines of 300 nm is 210 nm high by the instrument's own program (pySPM's
- *    issue 38), whose list has an "Aspect Ratio: 0.516184" that nobody can explain.
- * So a whole frame with 1:1 is square however many lines it has, and its pixels are oblong: so read
- * it Gwyddion (nanoscope.c of 2022) and SurfaceTopography 1.19 (DI.py), while pySPM (Bruker.py)
- * takes pixels to be square. Bruker's public texts on the format (User Guide of NanoScope 8.10)
- * explain scales and not this. Where no list gives "Lines", the pixels are taken to be square here
- * too. Since readers differ, a map where these two disagree has a remark, and the options' size
- * goes before. */
+ *    (pySPM's issue 22); Gwyddion multiplies by the lines, which gives the same for square pixels;
+ *  - else the scan list's, which gives the frame's height. The map has the share of it that the
+ *    channel's lines have in the "Lines" of the scan list. A cut image of 358 of 512 lines of
+ *    300 nm is 210 nm high in the instrument's own program (pySPM's issue 38), although its list
+ *    has an "Aspect Ratio: 0.516184" that nobody can explain.
+ * So a whole frame with 1:1 is square for any number of lines, and its pixels are oblong. Gwyddion
+ * (nanoscope.c of 2022) and SurfaceTopography 1.19 (DI.py) read it in this way, while pySPM
+ * (Bruker.py) assumes square pixels. Bruker's public documents on the format (User Guide of
+ * NanoScope 8.10) explain scales but not this. If no list gives "Lines", the pixels are assumed to
+ * be square here too. Since readers differ, a map for which the two assumptions disagree gets a
+ * remark, and a size in the options has priority. */
 #include "map_nanoscope.h"
 
 #include <math.h>
@@ -30,16 +31,16 @@
 
 enum { MOST = HAFT_MAP_SIDE_MOST };
 
-/* Where a channel's integers are. */
+/* The place and size of a channel's integers. */
 typedef struct place {
     size_t rows, columns, offset;
-    size_t stored, said; /* bytes a pixel, in the file and by its header */
-    const char *source;  /* of rows and columns, if not the usual one */
+    size_t stored, said; /* bytes per pixel, in the file and according to its header */
+    const char *source;  /* source of rows and columns, if not the usual one */
 } place;
 
 /* ---- pixels ---- */
 
-/* A count that the header need not have: 0 if it does not. */
+/* An optional count of the header; 0 if it is missing. */
 static size_t count_or_none(const haft_nanoscope *h, const haft_nanoscope_list *l,
                             const char *key) {
     size_t value = 0;
@@ -56,7 +57,7 @@ static size_t scan_count(const haft_nanoscope *h, const char *key) {
     return 0;
 }
 
-/* Whether so many pixels fill the data; then the bytes of one. */
+/* Whether this many pixels fill the data; if so, sets the bytes per pixel. */
 static bool fills(place *p, size_t columns, size_t rows, size_t bytes, const char *source) {
     if (rows < 2 || columns < 2 || rows > MOST || columns > MOST) {
         return false;
@@ -110,7 +111,7 @@ static haft_status find_data(place *p, const haft_nanoscope *h, const haft_nanos
 
 /* ---- sides ---- */
 
-/* "2:1" as width over height; 0 if it is none. */
+/* Reads "2:1" as width over height; 0 if it is not a ratio. */
 static double read_ratio(const char *text) {
     char first[32];
     const char *colon = strchr(text, ':');
@@ -125,7 +126,7 @@ static double read_ratio(const char *text) {
                                                                                             : 0;
 }
 
-/* "10 10 ~m" or "2000 nm", which both are of two equal sides. */
+/* Reads "10 10 ~m" or "2000 nm"; both mean two equal sides. */
 static bool read_scan_size(const char *text, double *width, double *height) {
     char word[3][32];
     size_t n = 0;
@@ -144,8 +145,8 @@ static bool read_scan_size(const char *text, double *width, double *height) {
            haft_map_length(second, word[n - 1], height) && *width > 0 && *height > 0;
 }
 
-/* The height of a map whose scan size gives one side, by the ratio of its own or its frame's; 0 if
- * the header does not give the frame's lines. */
+/* The height of a map whose scan size gives one side, from its own aspect ratio or the frame's; 0
+ * if the header does not give the frame's lines. */
 static double height_of_frame(const haft_nanoscope *h, const haft_nanoscope_list *l, const place *p,
                               double width) {
     char text[HAFT_NANOSCOPE_VALUE];
@@ -159,7 +160,7 @@ static double height_of_frame(const haft_nanoscope *h, const haft_nanoscope_list
     return lines == 0 ? 0 : width / (ratio > 0 ? ratio : 1) * share;
 }
 
-/* The sides of a map of two equal scan sizes, and what was assumed. */
+/* The sides of a map with two equal scan sizes, and what was assumed. */
 static void assume_sides(double side[2], char remark[256], const haft_nanoscope *h,
                          const haft_nanoscope_list *l, const place *p) {
     const haft_map_options *o = &h->file->options;
@@ -184,7 +185,7 @@ static void assume_sides(double side[2], char remark[256], const haft_nanoscope 
              frame > 0 ? "its pixels are" : "the frame is", side[0] * 1e6, other * 1e6);
 }
 
-/* The map's sides [m], and what was assumed of them. */
+/* The map's sides [m], and what was assumed about them. */
 static haft_status read_sides(double side[2], char remark[256], const haft_nanoscope *h,
                               const haft_nanoscope_list *l, const place *p, haft_error *error) {
     char text[HAFT_NANOSCOPE_VALUE], quoted[48];
@@ -218,7 +219,7 @@ static double raw_value(const unsigned char *at, size_t bytes) {
     return (int32_t)word;
 }
 
-/* Lines and points that the header does not count as valid, as of a scan that was stopped. */
+/* Remarks on lines and points that the header does not count as valid, as in a stopped scan. */
 static void remark_invalid(haft_map *map, const haft_nanoscope *h, const haft_nanoscope_list *l) {
     char text[HAFT_NANOSCOPE_VALUE];
     size_t columns = count_or_none(h, l, "Valid data len X");
@@ -277,7 +278,8 @@ static haft_status read_channel(haft_map **out, const haft_nanoscope *h,
     return status;
 }
 
-/* Profiles of their own lengths are no map ("Start context" ends in VAR: deep trenches). */
+/* Rejects profiles of different lengths, which are not a map ("Start context" ends in VAR: deep
+ * trenches). */
 static haft_status check_mode(const haft_nanoscope *h, haft_error *error) {
     char text[HAFT_NANOSCOPE_VALUE];
     size_t n = haft_nanoscope_find_scan(h, "Start context", text) > 0 ? strlen(text) : 0;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which channel of a Nanoscope file is meant. A channel has a name in brackets and one in quotes
+/* The choice of a channel of a Nanoscope file. A channel has a name in brackets and one in quotes
  * ("S [ZSensor] "Height Sensor"", in old headers "Image data: Height"), and a direction: of the
  * line (trace or retrace) and of the pass (main or interleave). Several may have the same name.
  *
- * A channel is asked for by its name, after which may stand, in any order and in parentheses or
- * not: trace, retrace, main, interleave, or a number that counts the channels of that name. Where
- * the name leaves a choice, trace comes before retrace and main before interleave. */
+ * The user asks for a channel by its name. After the name may follow, in any order, with or without
+ * parentheses: trace, retrace, main, interleave, or a number that counts the channels of that name.
+ * If several channels fit, trace is preferred to retrace and main to interleave. */
 #include "map_nanoscope.h"
 
 #include <stdio.h>
@@ -17,7 +17,7 @@ typedef struct entry {
     const haft_nanoscope_list *list;
     char inner[NAME], outer[NAME];
     bool trace, retrace, interleave;
-    size_t number, same; /* of the channels of its name: which it is, and how many there are */
+    size_t number, same; /* its number among the channels of its name, and their count */
 } entry;
 
 typedef struct table {
@@ -78,7 +78,8 @@ static bool is_like(const entry *a, const entry *b) {
            a->retrace == b->retrace && a->interleave == b->interleave;
 }
 
-/* "Height (retrace)", as it can be asked for; with its number where others are just like it. */
+/* The text by which the user can ask for a channel: "Height (retrace)", or with its number if
+ * others are just like it. */
 static void label(const table *t, const entry *e, char text[HAFT_CHANNEL_CAPACITY]) {
     size_t like = 0;
     for (size_t i = 0; i < t->n; i++) {
@@ -100,7 +101,7 @@ static void label(const table *t, const entry *e, char text[HAFT_CHANNEL_CAPACIT
     }
 }
 
-/* "Height (trace), Height (retrace)", save one; cut where it gets long. */
+/* Lists all channels but one: "Height (trace), Height (retrace)"; cuts a long list. */
 static void list_labels(const table *t, const entry *but, char *text, size_t capacity) {
     size_t used = 0;
     text[0] = '\0';
@@ -118,7 +119,7 @@ static void list_labels(const table *t, const entry *but, char *text, size_t cap
     }
 }
 
-/* ---- what was asked for ---- */
+/* ---- the request ---- */
 
 typedef struct wish {
     const char *name;
@@ -127,7 +128,7 @@ typedef struct wish {
     size_t number;
 } wish;
 
-/* One of the words behind a name; false if it is none. */
+/* Takes one of the words after a name; false if it is unknown. */
 static bool take_word(wish *w, const char *word, size_t n) {
     struct {
         const char *name;
@@ -153,7 +154,7 @@ static bool take_word(wish *w, const char *word, size_t n) {
     return number > 0;
 }
 
-/* Takes the words behind the name; false if one is unknown. */
+/* Takes the words after the name; false if one is unknown. */
 static bool read_words(wish *w, const char *text) {
     static const char between[] = " \t(),;[]";
     bool any = false;
@@ -168,7 +169,7 @@ static bool read_words(wish *w, const char *text) {
     return any;
 }
 
-/* The longest name that a channel has and that the text begins with. */
+/* Splits a request into the longest name of a channel at its beginning, and words. */
 static bool read_wish(wish *w, const table *t, const char *text) {
     for (size_t n = strlen(text); n > 0; n--) {
         bool whole = text[n] == '\0', known = false;
@@ -196,7 +197,7 @@ static int rank(const entry *e) {
     return (e->retrace ? 2 : 0) + (e->interleave ? 1 : 0);
 }
 
-/* The best of those that fit; NULL if there is none. `equals` counts those as good. */
+/* The best channel that fits; NULL if there is none. `equals` counts the equally good ones. */
 static const entry *pick(const wish *w, const table *t, size_t *equals) {
     const entry *best = NULL;
     size_t count = 0;
@@ -224,7 +225,7 @@ static bool is_height(const table *t, const entry *e) {
     return named && haft_nanoscope_get_scale(&scale, t->header, e->list, 2, 2, NULL) == HAFT_OK;
 }
 
-/* The first that can be metres, or the trace that goes with it. */
+/* The first channel whose values can be metres, or the trace that belongs to it. */
 static const entry *pick_default(const table *t) {
     for (size_t i = 0; i < t->n; i++) {
         if (is_height(t, &t->entry[i])) {
@@ -249,7 +250,7 @@ static haft_status refuse(const table *t, const char *what, haft_error *error) {
 static haft_status choose(haft_nanoscope_channel *chosen, const table *t, haft_error *error) {
     const char *wanted = t->header->file->options.channel;
     const entry *e = NULL;
-    bool open = wanted[0] == '\0'; /* the file leaves a choice that was not made */
+    bool open = wanted[0] == '\0'; /* the user has not chosen a channel */
     if (open) {
         e = pick_default(t);
     } else {

@@ -2,10 +2,10 @@
 /* The text header of a Nanoscope file: lists ("\*Ciao image list", each followed by lines "\Key:
  * value" until the next), ended by "\*File list end". Its first line is "\*File list", "\*EC File
  * list" (electrochemistry) or another "... list"; force volumes begin with "\*Force file list" and
- * may hold maps beside their curves ("\*Ciao force image list").
+ * may have maps besides their curves ("\*Ciao force image list").
  *
- * Lines end in CR LF. Where they do not, a transfer as text has changed the header, and the data
- * with it: each byte pair 13 10 of the data has lost a byte, and all behind it are shifted. */
+ * Lines end in CR LF. If they do not, a transfer as text has changed the header, and the data too:
+ * each byte pair 13 10 of the data has lost a byte, and all later bytes are shifted. */
 #include "map_nanoscope.h"
 
 #include <math.h>
@@ -25,7 +25,7 @@ static const char *line_end(const char *at, const char *end) {
     return at;
 }
 
-/* The next line's beginning; counts lines by their LF. */
+/* The beginning of the next line; counts lines by their LF. */
 static const char *next_line(const char *at, const char *end, size_t *line) {
     while (at < end && (*at == '\n' || *at == '\r')) {
         *line += *at == '\n';
@@ -39,7 +39,7 @@ static bool ends_with(const char *title, size_t n, const char *words) {
     return n >= length && strncasecmp(title + n - length, words, length) == 0;
 }
 
-/* False if its end is missing. */
+/* Splits the header into lists; false if its end is missing. */
 static bool find_lists(haft_nanoscope *h) {
     const char *at = h->file->bytes, *end = at + h->file->size;
     size_t line = 1;
@@ -68,7 +68,7 @@ static bool find_lists(haft_nanoscope *h) {
     return false;
 }
 
-/* Whether a line, "\Key: value", is of this key; `*from` is then its value. */
+/* Whether a line "\Key: value" has this key; then `*from` is its value. */
 static bool is_key(const char *at, size_t n, const char *key, const char **from) {
     size_t length = strlen(key), prefix = 0;
     if (n == 0 || *at != '\\') {
@@ -153,7 +153,7 @@ static haft_status check_line_ends(const haft_nanoscope *h, haft_error *error) {
             returns += c == '\r';
         }
     }
-    /* A note of the user may hold one or the other by itself. */
+    /* A note of the user may have single CRs or LFs. */
     if (pairs > feeds && pairs > returns) {
         return HAFT_OK;
     }
@@ -179,8 +179,8 @@ static haft_status get_extent(extent *e, const haft_nanoscope *h, const haft_nan
                              : haft_nanoscope_get_count(&e->length, h, l, "Data length", error);
 }
 
-/* Data that do not fit would be read from the wrong place: if not this channel's, then another's.
- */
+/* If the places of data do not fit the file and each other, the data of some channel would be read
+ * from a wrong place. */
 static haft_status check_extents(const haft_nanoscope *h, haft_error *error) {
     extent seen[HAFT_NANOSCOPE_LISTS];
     size_t n = 0, size = h->file->size;
@@ -216,7 +216,7 @@ static haft_status check_extents(const haft_nanoscope *h, haft_error *error) {
     return HAFT_OK;
 }
 
-/* A map whose title line is lost would be taken for a part of the list before. */
+/* A map without its title line would be read as a part of the list before it. */
 static haft_status check_titles(const haft_nanoscope *h, haft_error *error) {
     char value[HAFT_NANOSCOPE_VALUE];
     for (size_t k = 0; k < h->lists; k++) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How high a step of a Nanoscope map's integers is.
+/* The height per step of a Nanoscope map's integers.
  *
  * A height is raw / 2^bits times the hard value at the end of "@2:Z scale: V [Sens. Zsens] (0.006
  * V/LSB) 440 V" times the sensitivity that the brackets name, "@Sens. Zsens: V 10 nm/V"; without
  * brackets the hard value is itself a length. The (V/LSB) is the instrument's, and differs from
- * hard / 2^bits where an image was stored with a range of its own. From version 9.2 on some files
- * keep 32-bit integers and still say "Bytes/pixel: 2": there (V/LSB) decides between the two
- * powers. Old headers give "Z scale: 200 nm" for the whole 16-bit range, and the oldest, without a
- * version, "Z magnify image" in nanometres for 655.36 steps. */
+ * hard / 2^bits if an image was stored with its own range. From version 9.2 on, some files have
+ * 32-bit integers and still say "Bytes/pixel: 2": then (V/LSB) decides between the two powers. Old
+ * headers give "Z scale: 200 nm" for the whole 16-bit range; the oldest, without a version, give "Z
+ * magnify image" in nanometres for 655.36 steps. */
 #include "map_nanoscope.h"
 
 #include <ctype.h>
@@ -17,7 +17,7 @@
 
 enum { NAME = 96, UNIT = 24 };
 
-/* "V [soft] (step unit/LSB) hard unit"; what is missing is empty or 0. */
+/* "V [soft] (step unit/LSB) hard unit"; missing parts are empty or 0. */
 typedef struct quantity {
     char soft[NAME], unit[UNIT];
     double step, hard;
@@ -77,7 +77,7 @@ static bool read_quantity(quantity *q, const char *text) {
            take_word(&text, q->unit, sizeof q->unit) && *text == '\0';
 }
 
-/* How much a step is of the hard scale, given bytes stored and said. */
+/* The share of the hard scale per step, from the bytes stored and said. */
 static double step_share(const quantity *q, size_t stored, size_t said) {
     double by_said = said == 4 ? 0x1p-32 : 0x1p-16, by_stored = stored == 4 ? 0x1p-32 : 0x1p-16;
     if (by_said == by_stored || q->step == 0) {
@@ -88,8 +88,8 @@ static double step_share(const quantity *q, size_t stored, size_t said) {
     return off_stored < off_said ? by_stored : by_said;
 }
 
-/* Metres that a hard value of that unit is by a sensitivity; false where the units of the two do
- * not make a length: nm/V needs V, and nm a bare number. */
+/* Multiplies a hard value by a sensitivity to metres; false if their units do not give a length:
+ * nm/V needs V, and nm needs a plain number. */
 static bool multiply(double *length, const quantity *q, const quantity *sensitivity) {
     static const struct {
         const char *name;
@@ -130,7 +130,7 @@ static haft_status wrong(const haft_nanoscope *h, size_t line, const char *key, 
 static const char no_length[] = "no z-scale in metres; choose a channel of heights";
 static const char unreadable[] = "which gives no positive number; the header is damaged";
 
-/* "V [Sens. Zsens] (0.006 V/LSB) 440 V" */
+/* Reads "V [Sens. Zsens] (0.006 V/LSB) 440 V". */
 static haft_status new_scale(double *scale, const haft_nanoscope *h, size_t line, const char *text,
                              size_t stored, size_t said, haft_error *error) {
     quantity q, s;
@@ -163,7 +163,7 @@ static haft_status new_scale(double *scale, const haft_nanoscope *h, size_t line
     return HAFT_OK;
 }
 
-/* "200 nm (65536)" */
+/* Reads "200 nm (65536)". */
 static haft_status old_scale(double *scale, const haft_nanoscope *h, size_t line, const char *text,
                              haft_error *error) {
     char number[UNIT], unit[UNIT];

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* NumPy arrays (.npy): a magic, the version, the length of a header, the header, which is a Python
- * dictionary {'descr': '<f8', 'fortran_order': False, 'shape': (256, 256), }, then the numbers. The
- * length has two bytes in version 1.0 and four in 2.0 and 3.0. Real numbers and whole ones of up to
- * eight bytes are read, in either byte order, by rows or by columns. The file gives neither size
- * nor unit. */
+/* NumPy arrays (.npy): a magic string, the version, the length of the header, the header, which is
+ * a Python dictionary {'descr': '<f8', 'fortran_order': False, 'shape': (256, 256), }, then the
+ * numbers. The length has two bytes in version 1.0 and four in 2.0 and 3.0. Real numbers and
+ * integers of up to eight bytes are read, in either byte order, by rows or by columns. The file
+ * gives neither size nor unit. */
 #include "map_file.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ typedef struct npy_header {
     bool found[3];
 } npy_header;
 
-/* The text of the header that is left. */
+/* The text of the header still to be read. */
 typedef struct cursor {
     const char *at, *end;
 } cursor;
@@ -59,7 +59,7 @@ static bool take_word(cursor *c, const char *word) {
     return true;
 }
 
-/* A quoted text without escapes; what is too long is cut. */
+/* Takes a quoted text without escapes; cuts a long one. */
 static bool take_text(cursor *c, char *text, size_t capacity) {
     skip_blanks(c);
     if (c->at == c->end || (*c->at != '\'' && *c->at != '"')) {
@@ -77,7 +77,7 @@ static bool take_text(cursor *c, char *text, size_t capacity) {
     return true;
 }
 
-/* A whole number; one that no map has becomes a larger one than any. */
+/* Takes an unsigned integer; a number too large for a map is clamped to one that is too large. */
 static bool take_number(cursor *c, size_t *number) {
     skip_blanks(c);
     const char *from = c->at;
@@ -111,7 +111,7 @@ static bool take_shape(cursor *c, npy_header *h) {
     return true;
 }
 
-/* One "key: value" of the dictionary. What is no text under `descr` is a list of fields. */
+/* Takes one "key: value" of the dictionary. A `descr` that is not a text is a list of fields. */
 static const char *take_entry(cursor *c, npy_header *h) {
     static const char *const keys[] = {"descr", "fortran_order", "shape"};
     char key[24];
@@ -187,7 +187,7 @@ static haft_status read_header(npy_header *h, const haft_map_file *file, haft_er
     return HAFT_OK;
 }
 
-/* ---- what it says ---- */
+/* ---- meaning of the header ---- */
 
 typedef struct number_type {
     char kind; /* 'f', 'i' or 'u' */
@@ -195,7 +195,7 @@ typedef struct number_type {
     bool big_endian;
 } number_type;
 
-/* '<f8': the byte order, the kind, the bytes. */
+/* Reads '<f8': byte order, kind, number of bytes. */
 static haft_status read_type(number_type *type, const npy_header *h, const haft_map_file *file,
                              haft_error *error) {
     const char *text = h->type;
@@ -276,7 +276,7 @@ static double read_number(const unsigned char *bytes, number_type type) {
     }
     if (type.kind == 'i') {
         uint64_t sign = (uint64_t)1 << (8 * type.bytes - 1);
-        /* two's complement: the sign's bit counts negative */
+        /* two's complement: the sign bit counts negative */
         return (word & sign) != 0 ? -(double)(2 * sign - word) : (double)word;
     }
     if (type.bytes == 2) {

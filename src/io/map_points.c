@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A height map of points x, y, z: the even grid that they lie on, and the heights put onto it. The
- * grid of a coordinate is a straight line through its distinct values by least squares, since their
- * gaps are rounded with them. */
+/* A height map from points x, y, z: finds the even grid of the points and puts the heights onto it.
+ * The grid of a coordinate is fitted to its distinct values by least squares, since single gaps
+ * between rounded values are inaccurate. */
 #include "map_text.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Of a step, how far values may be off the line: where each one is the next column, as far as their
- * last decimal digit takes them too; less where columns may be left out. */
+/* Largest distance of a value from the grid, in steps: if no column is missing; the same with the
+ * rounding to the last decimal digit; and if columns may be missing. */
 static const double NEXT_TOLERANCE = 0.1, ROUNDED_TOLERANCE = 0.35, APART_TOLERANCE = 0.03;
-static const double SAME = 1e-6; /* of the range: values that near are one */
+static const double SAME = 1e-6; /* share of the range: values closer than this are equal */
 
 typedef struct axis {
     double first, step;
@@ -22,7 +22,7 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The line of least squares through (place, value). */
+/* The least-squares line through (place, value). */
 static axis fit_line(const double *value, const size_t *place, size_t n) {
     double mean_place = 0, mean_value = 0, square = 0, product = 0;
     for (size_t i = 0; i < n; i++) {
@@ -38,7 +38,7 @@ static axis fit_line(const double *value, const size_t *place, size_t n) {
     return (axis){mean_value - step * mean_place, step, place[n - 1] + 1};
 }
 
-/* Half of the last decimal digit that sorted values are written with; 0 if they have too many. */
+/* Half a unit of the last decimal digit of sorted values; 0 if they have too many digits. */
 static double half_digit(const double *value, size_t n) {
     double range = value[n - 1] - value[0];
     for (double digit = pow(10, ceil(log10(range))); digit > 1e-7 * range; digit /= 10) {
@@ -69,7 +69,7 @@ static bool fits(const axis *a, const double *value, size_t n, double tolerance,
     return true;
 }
 
-/* The means of runs of sorted values whose gaps are at most `same`. @return how many. */
+/* The means of runs of sorted values whose gaps are at most `same`. @return their number */
 static size_t gather(double *mean, const double *value, size_t n, double same) {
     size_t m = 0;
     for (size_t i = 0; i < n;) {
@@ -83,8 +83,8 @@ static size_t gather(double *mean, const double *value, size_t n, double same) {
     return m;
 }
 
-/* Places of the m columns, each the next one, or where `apart` as far on as its gap is of the
- * smallest. False if there would be too many. */
+/* The places of the m columns on the grid: consecutive, or with `apart` by their gaps in units of
+ * the smallest gap. False if there would be too many. */
 static bool put_places(size_t *place, const double *mean, size_t m, bool apart) {
     double smallest = mean[m - 1] - mean[0];
     for (size_t k = 1; k < m; k++) {
@@ -101,14 +101,14 @@ static bool put_places(size_t *place, const double *mean, size_t m, bool apart) 
     return true;
 }
 
-/* The grid of columns at `mean`, on which all values must lie. */
+/* Fits a grid to columns at `mean`; true if all values are on it. */
 static bool try_columns(axis *a, const double *value, size_t n, const double *mean, size_t m,
                         size_t *place, bool apart, double margin) {
     if (m < 2 || !put_places(place, mean, m, apart)) {
         return false;
     }
     *a = fit_line(mean, place, m);
-    if (apart) { /* once more, since many small gaps do not tell where a large one leads */
+    if (apart) { /* again: the smallest gap alone is too inaccurate for large gaps */
         for (size_t k = 1; k < m; k++) {
             double at = round((mean[k] - mean[0]) / a->step);
             if (!(at > (double)place[k - 1]) || at >= HAFT_MAP_SIDE_MOST) {
@@ -121,8 +121,9 @@ static bool try_columns(axis *a, const double *value, size_t n, const double *me
     return a->step > 0 && fits(a, value, n, apart ? APART_TOLERANCE : NEXT_TOLERANCE, margin);
 }
 
-/* Where the gaps of sorted values fall off most from the larger to the smaller, up to `same`: what
- * stands between columns is above it, what jitters within one is below. `work` is overwritten. */
+/* Divides the gaps of sorted values where successive gap sizes differ by the largest factor: larger
+ * gaps are between columns, smaller ones are scatter within a column. Returns the largest of the
+ * smaller gaps, or `same` if there is no clear step. `work` is overwritten. */
 static double find_split(double *work, const double *value, size_t n, double same) {
     size_t m = 0;
     for (size_t i = 1; i < n; i++) {
@@ -160,7 +161,7 @@ static bool find_grid(axis *a, const double *value, size_t n, double *work, size
     return try_columns(a, value, n, work, m, place, true, 0);
 }
 
-/* The even grid of one column of the table; a->n is 0 if there is none. */
+/* Finds the even grid of one column of the table; a->n is 0 if there is none. */
 static haft_status find_axis(axis *a, const haft_map_table *t, size_t column, haft_error *error) {
     double *value = haft_memory_alloc(t->rows, sizeof *value, error);
     double *work = value != NULL ? haft_memory_alloc(t->rows, sizeof *work, error) : NULL;
@@ -237,7 +238,8 @@ static haft_status place_points(haft_map **out, const haft_map_file *file, const
     return haft_map_end(out, file, unit, error);
 }
 
-/* Lengths of one step of the grid: by the unit of places, or by the size of the whole map. */
+/* Lengths of one step of the grid: from the unit of the coordinates, or the size of the whole map.
+ */
 static haft_status find_pixels(double pixel[2], const haft_map_file *file, const axis a[2],
                                const haft_map_title *title, haft_error *error) {
     const double size[2] = {file->options.width, file->options.height};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Height maps from files: which kind one is, by its contents. A file is read whole; whatever it
- * says of its own layout is checked against its size before a pixel is touched. */
+/* Reads height maps and determines the kind of a file by its contents. A file is read whole; what
+ * it says about its layout is checked against its size before a pixel is read. */
 #include "map_file.h"
 #include "text.h"
 
@@ -53,7 +53,7 @@ static bool is_npy(const haft_map_file *file) {
     return begins(file, "\223NUMPY");
 }
 
-/* Its binary files begin alike. */
+/* Binary WSxM files have the same beginning. */
 static bool is_wsxm_text(const haft_map_file *file) {
     return begins(file, "WSxM file") && is_text(file);
 }
@@ -63,8 +63,8 @@ static bool is_any(const haft_map_file *file) {
     return true;
 }
 
-/* The first kind that a file is of reads it, or says why it cannot be read. Formats whose names
- * alone are known may begin like a text, so text stands behind them. */
+/* The first kind that matches a file reads it, or says why it cannot. Formats that are known only
+ * by name may begin like a text, so text comes after them. */
 static const struct kind {
     bool (*is)(const haft_map_file *file);
     haft_status (*read)(haft_map **out, const haft_map_file *file, haft_error *error);

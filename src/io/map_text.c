@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Height maps as text: a matrix of numbers, or points x, y, z in three columns. The lines are told
- * apart first, into header lines and rows; then all rows together tell what parts their numbers; a
- * map is made of them last. One file holds one map: what looks like a second one is refused. */
+/* Height maps as text: a matrix of numbers, or points x, y, z in three columns. First the lines are
+ * divided into header lines and rows; then the separator is determined from all rows; last the map
+ * is made. A file has one map: what looks like a second one is rejected. */
 #include "map_text.h"
 #include "text.h"
 
@@ -10,19 +10,19 @@
 
 enum { LINE_MOST = 1 << 22 }; /* bytes of a line: more than the longest row of a map needs */
 
-/* The lines of a file, told apart. */
+/* The lines of a file, divided into header lines and rows. */
 typedef struct lines {
     char *text;
     haft_map_title title;
     haft_map_row *row;
     size_t rows, room, most; /* most: lines of the file */
     size_t gap;              /* lines without numbers between the first two rows */
-    size_t parting; /* the line of the first gap that is not like the first, 0 if there is none */
-    bool remark;    /* what stands there is a remark, not a blank line */
+    size_t parting;          /* line of the first gap that differs from the first one; 0: none */
+    bool remark;             /* there is a remark, not a blank line */
 } lines;
 
-/* Room for all rows where there are more than a matrix may have, if they may be points: three
- * numbers, which decimal commas make look like six. */
+/* Allocates all rows if there are more than a matrix may have and they may be points: three
+ * numbers, which look like six if they have decimal commas. */
 static haft_status make_room(lines *l, const haft_map_file *file, size_t number,
                              haft_error *error) {
     size_t words = 0;
@@ -45,7 +45,7 @@ static haft_status make_room(lines *l, const haft_map_file *file, size_t number,
     return HAFT_OK;
 }
 
-/* A row of numbers after `gap` lines without any, the first of which is line `since`. */
+/* Adds a row of numbers after `gap` lines without numbers, the first of which is line `since`. */
 static void add_row(lines *l, char *line, size_t number, size_t gap, size_t since, bool remark) {
     if (l->rows == 1) {
         l->gap = remark ? 0 : gap;
@@ -122,7 +122,7 @@ static haft_status make_lines(lines *l, const haft_map_file *file, haft_error *e
     return status;
 }
 
-/* What a matrix must be like: of a size that a map can have, in one piece, as its header says. */
+/* Checks that a matrix has a valid size, agrees with its header, and is not interrupted. */
 static haft_status check_matrix(const lines *l, const haft_map_file *file,
                                 const haft_map_table *table, haft_error *error) {
     const haft_map_title *t = &l->title;

@@ -5,20 +5,20 @@
 
 #include "map_file.h"
 
-/* A length that a header gives, and where. */
+/* A length that a header gives, and its line. */
 typedef struct haft_map_said {
     double value; /* [m]; 0: not given */
     size_t line;
     bool bare; /* given without a unit: `value` is the number alone */
 } haft_map_said;
 
-/* What header lines say. Index 0 is along x, 1 along y. */
+/* The contents of header lines. Index 0 is along x, 1 along y. */
 typedef struct haft_map_title {
-    haft_map_said side[2], lateral[2], unit, bit; /* bit: what a height of 1 is */
+    haft_map_said side[2], lateral[2], unit, bit; /* bit: the length of a height of 1 */
     size_t pixels[2], pixels_line[2];             /* 0: not given */
     char channel[HAFT_CHANNEL_CAPACITY];
     bool titled; /* a header line was there */
-    bool loose;  /* of a kind whose header lines have no mark */
+    bool loose;  /* header lines of this kind have no mark */
     bool points; /* the columns are named x, y, z */
 } haft_map_title;
 
@@ -28,12 +28,12 @@ typedef struct haft_map_row {
     size_t number;
 } haft_map_row;
 
-/* How numbers stand in the rows of a file. */
+/* How numbers are written in the rows of a file. */
 typedef struct haft_map_notation {
-    char separator; /* ' ' is any blanks; else '\t', ',' or ';', between two of which may be none */
-    bool comma;     /* a comma is a decimal one */
-    bool open;      /* each row begins with a tab that parts nothing */
-    bool closed;    /* each row ends with a separator that parts nothing */
+    char separator; /* ' ' means any blanks; else '\t', ',' or ';', and cells may be empty */
+    bool comma;     /* commas are decimal */
+    bool open;      /* each row begins with a tab that separates nothing */
+    bool closed;    /* each row ends with a separator that separates nothing */
 } haft_map_notation;
 
 /* A table of numbers, NAN where one is missing. */
@@ -42,18 +42,18 @@ typedef struct haft_map_table {
     size_t rows, columns;
 } haft_map_table;
 
-/* Takes one line for a header line if it is one: *known tells whether it says something of a map.
- * `first` is whether no numbers came before it. */
+/* Reads one line if it is a header line; *known: whether it says something about a map. `first`:
+ * whether no numbers came before it. */
 haft_status haft_map_read_title(haft_map_title *title, const haft_map_file *file, size_t number,
                                 const char *line, bool first, bool *is_title, bool *known,
                                 haft_error *error);
 
-/* Settles lengths given without a unit, and complains of options that contradict the header. */
+/* Converts lengths given without a unit, and complains of options that contradict the header. */
 haft_status haft_map_settle_title(haft_map_title *title, const haft_map_file *file,
                                   haft_error *error);
 
-/* Finds out, from all rows, what parts numbers and what decimals are like; complains where that
- * could be read in two ways. Leaves out rows of tabs where those are blanks. */
+/* Determines separators and decimal marks from all rows; complains if they could be read in two
+ * ways. Removes rows of tabs if tabs are only blanks. */
 haft_status haft_map_find_notation(haft_map_notation *notation, haft_map_row *row, size_t *rows,
                                    const haft_map_file *file, haft_error *error);
 
@@ -62,11 +62,11 @@ haft_status haft_map_read_table(haft_map_table *table, const haft_map_notation *
                                 const haft_map_row *row, size_t rows, const haft_map_file *file,
                                 bool titled, haft_error *error);
 
-/* Whether the first two of three columns are the places of a full grid. */
+/* Whether the first two of three columns are the coordinates of a complete grid. */
 haft_status haft_map_looks_like_points(bool *points, const haft_map_table *table,
                                        haft_error *error);
 
-/* The map of points x, y, z on an even grid, in any order. */
+/* Makes a map from points x, y, z on an even grid, in any order. */
 haft_status haft_map_from_points(haft_map **out, const haft_map_file *file,
                                  const haft_map_table *table, const haft_map_title *title,
                                  haft_error *error);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Header lines of text maps, as Gwyddion (in the languages it speaks), SPIP, WSxM and others write
  * them: "# Width: 10 um", "# x-length = 10000", "X Amplitude: 10 um", and lines that name the
- * columns, "x [um], y [um], z [nm]". What they say of length and unit holds, and what is given
- * beside the file must not contradict it. */
+ * columns, "x [um], y [um], z [nm]". Their lengths and units are used, and the options must not
+ * contradict them. */
 #include "map_text.h"
 
 #include <ctype.h>
@@ -51,7 +51,7 @@ static const char *const names[KEYS][16] = {
 
 /* ---- a line ---- */
 
-/* A line with plain spaces in place of blanks, none at its ends; cut where it is very long. */
+/* Copies a line with all blanks as plain spaces and none at its ends; cuts a very long one. */
 static void copy_plain(char text[TEXT_CAPACITY], const char *line) {
     size_t used = 0;
     for (size_t n = 0; line[n] != '\0' && used + 1 < TEXT_CAPACITY;) {
@@ -67,7 +67,8 @@ static void copy_plain(char text[TEXT_CAPACITY], const char *line) {
     text[used] = '\0';
 }
 
-/* The mark of a remark, and blanks behind it. A missing height may begin with the same. */
+/* The length of a remark mark and the blanks after it. Words for a missing height may begin with
+ * the same character. */
 static size_t skip_mark(const char *text) {
     static const char *const missing[] = {"#n/a", "#na", "#n/v"};
     for (size_t k = 0; k < sizeof missing / sizeof *missing; k++) {
@@ -80,11 +81,11 @@ static size_t skip_mark(const char *text) {
     return n > 0 ? n + strspn(text + n, " ") : 0;
 }
 
-/* The key that "name: value" or "name = value" gives, KEYS if none; *value is what follows. */
+/* The key of "name: value" or "name = value", KEYS if none; *value is the text after it. */
 static key find_key(const char *text, const char **value) {
     char name[WORD_CAPACITY];
     size_t n = strcspn(text, ":="), used = 0, sign = 1;
-    const char *wide = strstr(text, "\xef\xbc\x9a"); /* a colon as wide as a character */
+    const char *wide = strstr(text, "\xef\xbc\x9a"); /* a full-width colon */
     if (wide != NULL && (size_t)(wide - text) < n) {
         n = (size_t)(wide - text);
         sign = 3;
@@ -109,8 +110,7 @@ static key find_key(const char *text, const char **value) {
     return KEYS;
 }
 
-/* The unit that a text is, without brackets or quotes; "" where there is none. False if it is more
- * than a word. */
+/* Takes a unit without brackets or quotes; "" if there is none. False for more than one word. */
 static bool take_word(const char *text, char word[WORD_CAPACITY]) {
     text += strspn(text, " [(\"'");
     size_t n = strcspn(text, " ])\"'");
@@ -122,7 +122,7 @@ static bool take_word(const char *text, char word[WORD_CAPACITY]) {
     return true;
 }
 
-/* ---- what a key says ---- */
+/* ---- the value of a key ---- */
 
 static haft_status wrong(const haft_map_file *file, size_t line, const char *what, const char *text,
                          haft_error *error) {
@@ -143,7 +143,7 @@ static haft_status say(haft_map_said *said, haft_map_said next, const haft_map_f
     return HAFT_OK;
 }
 
-/* "12,34 um", or where a key may be a number alone that. */
+/* Reads "12,34 um", or only a number if the key allows it. */
 static bool read_length(const char *text, haft_map_said *said) {
     char number[WORD_CAPACITY], unit[WORD_CAPACITY];
     double factor = 0;
@@ -177,7 +177,7 @@ static haft_status read_side(haft_map_title *t, int side, const char *text, bool
     return say(&t->side[side], said, file, error);
 }
 
-/* A unit of length; a header may leave it empty. */
+/* Reads a unit of length; a header may leave it empty. */
 static haft_status read_unit(haft_map_said *said, const char *text, bool heights, size_t number,
                              const haft_map_file *file, haft_error *error) {
     char word[WORD_CAPACITY] = "";
@@ -210,7 +210,7 @@ static haft_status read_pixels(haft_map_title *t, int side, const char *text, si
     return HAFT_OK;
 }
 
-/* SPIP's factor from numbers to nm. */
+/* Reads SPIP's factor from numbers to nm. */
 static haft_status read_bit(haft_map_title *t, const char *text, size_t number,
                             const haft_map_file *file, haft_error *error) {
     haft_map_said said = {.line = number};
@@ -255,7 +255,7 @@ static haft_status read_value(haft_map_title *t, key k, bool bare, const char *v
 
 /* ---- names of columns ---- */
 
-/* "x [um], y [um], z [nm]", "X(nm) Y(nm) Z(nm)" or "x,y,z": where each unit begins, "" for none. */
+/* Finds the units in "x [um], y [um], z [nm]", "X(nm) Y(nm) Z(nm)" or "x,y,z"; "" for none. */
 static bool find_columns(const char *text, char unit[3][WORD_CAPACITY]) {
     for (int k = 0; k < 3; k++) {
         text += strspn(text, " \"");
@@ -295,9 +295,9 @@ static haft_status read_columns(haft_map_title *t, char unit[3][WORD_CAPACITY], 
     return HAFT_OK;
 }
 
-/* ---- all of it ---- */
+/* ---- a whole line ---- */
 
-/* Lines without a mark that stand before the numbers of some kinds of files. */
+/* Whether a line is a header line without a mark, as some kinds of files have. */
 static bool is_loose(haft_map_title *t, const char *text) {
     t->loose = t->loose || strncmp(text, "WSxM file", 9) == 0;
     bool named = *text == '[' || strncmp(text, "WSxM", 4) == 0 ||
@@ -312,7 +312,7 @@ haft_status haft_map_read_title(haft_map_title *title, const haft_map_file *file
     const char *value = NULL, *begin = line + strspn(line, " \t");
     *is_title = *known = false;
     if (isdigit((unsigned char)*begin) || (*begin == '-' && isdigit((unsigned char)begin[1]))) {
-        return HAFT_OK; /* numbers, as most lines */
+        return HAFT_OK; /* a row of numbers, as most lines are */
     }
     copy_plain(text, line);
     size_t mark = skip_mark(text);
@@ -322,7 +322,7 @@ haft_status haft_map_read_title(haft_map_title *title, const haft_map_file *file
     *known = k != KEYS || columns || strncmp(text + mark, "WSxM file", 9) == 0;
     *is_title = mark > 0 || loose || *known;
     if (*is_title && !first) {
-        return HAFT_OK; /* what stands behind numbers says nothing of them */
+        return HAFT_OK; /* a header line after numbers is not about them */
     }
     title->titled = title->titled || *is_title;
     if (columns) {
