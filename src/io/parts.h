@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layout of a part file. Private to this room.
  *
- * A head, the resolved case as text, then records one after another; numbers in the machine's own
- * byte order, which the head tells. A record is its head and its payload: haft_part_counts, then
- * row by row the columns of the summary, of the points and of the jumps, then the states, then the
- * laws: their f_limit, vectors, faults and numbers a curve, then the distances, the laws the kept
- * curves are of, and those curves. */
+ * A head, the resolved case as text, then one record after another. Numbers are in the machine's
+ * own byte order, which the head records. A record is its head and its payload: haft_part_counts;
+ * then row by row the columns of the summary, the points and the jumps; then the states; then the
+ * laws: their f_limit, vectors, faults and numbers per curve, the distances, the laws whose curves
+ * are kept, and these curves. */
 #ifndef HAFT_IO_PARTS_H
 #define HAFT_IO_PARTS_H
 
@@ -14,7 +14,7 @@
 enum {
     HAFT_PART_LAYOUT = 2,
     HAFT_PART_ORDER = 0x01020304,
-    HAFT_PART_DIGITS = 32, /* of a digest, no final 0 */
+    HAFT_PART_DIGITS = 32, /* of a digest, without a final 0 */
 };
 #define HAFT_PART_MAGIC "haftpart"
 #define HAFT_PART_RECORD_MAGIC "haftreal"
@@ -40,7 +40,7 @@ _Static_assert(sizeof(haft_part_record) == 88, "no holes");
 
 typedef struct haft_part_counts {
     uint64_t points, jumps;
-    uint64_t dofs; /* of a state; 0: none were kept */
+    uint64_t dofs; /* of a state; 0: no states were kept */
     uint64_t turn, outcome;
     uint64_t steps, rejected, newton_iterations, factorizations, solves, folds, flow_steps;
     uint64_t laws, first_site, curves, distances; /* 0: none were kept */
@@ -48,7 +48,7 @@ typedef struct haft_part_counts {
 } haft_part_counts;
 _Static_assert(sizeof(haft_part_counts) == 144, "no holes");
 
-/* The head a part of this case has, and its text, which is freed with haft_memory_free(). */
+/* Makes the head of a part of this case and its text, to be freed with haft_memory_free(). */
 haft_status haft_part_make_head(haft_part_head *head, char **text, const haft_case *c,
                                 const char *laws_digest, haft_error *error) HAFT_MUST_CHECK;
 
@@ -59,20 +59,20 @@ haft_status haft_part_head_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_
 /* Bytes of one packed row. */
 size_t haft_part_row_size(size_t columns, const haft_hdf_column *column);
 
-/* Bytes of a payload with these counts; 0 if there can be none so large. */
+/* Bytes of a payload with these counts; 0 if it would be too large. */
 size_t haft_part_payload_size(const haft_part_counts *counts);
 
 /* ---- parts_laws.c: a realization's laws at the end of its payload ---- */
 
-/* Sets what the counts tell of them; laws may be NULL. */
+/* Sets the counts of the laws, which may be NULL. */
 void haft_part_count_laws(haft_part_counts *counts, const haft_laws *laws);
 
-/* Their bytes; false if there can be none so large. */
+/* The bytes of the laws; false if they would be too large. */
 bool haft_part_laws_size(const haft_part_counts *counts, size_t *size);
 
 void haft_part_pack_laws(char *at, const haft_laws *laws);
 
-/* Reads them back, and refuses what is no set of laws. */
+/* Reads the laws back, and rejects an invalid set. */
 haft_status haft_part_unpack_laws(haft_laws **out, const haft_part_counts *counts, const char *at,
                                   haft_error *error) HAFT_MUST_CHECK;
 

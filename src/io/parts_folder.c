@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The folder of parts and who may work in it: locks (flock) on files in it, which the kernel gives
- * up with the process, so that a killed run bars nobody. A run has the folder's lock alone; shards
- * have it together, and each a lock of its own besides. */
+/* The folder of parts and its locks (flock) on files in it. The kernel releases a lock when its
+ * process ends, so a killed run blocks nobody. A run locks the folder exclusively; shards share its
+ * lock, and each has an exclusive lock of its own as well. */
 #include "parts_folder.h"
 #include "store.h"
 
@@ -28,7 +28,7 @@ void haft_parts_prefix(char prefix[HAFT_PART_NAME_CAPACITY], size_t shard, size_
 
 /* ---- names ---- */
 
-/* Passes over a number as printf() writes it, and no other. */
+/* Reads a number in exactly the form that printf() writes. */
 static bool take_number(const char **at, size_t *value) {
     size_t digits = strspn(*at, "0123456789");
     bool plain = digits > 0 && digits < 19 && !(digits > 1 && **at == '0');
@@ -50,8 +50,8 @@ static bool take_shard(const char **at, size_t *count) {
            index <= *count;
 }
 
-/* Is this the name of a part? *count is into how many shards its run is split; 0: it is not. Files
- * of other names are not Haft's, and are left alone. */
+/* Whether this is the name of a part. *count is the number of shards of its run, 0 without shards.
+ * Files of other names are not Haft's and are left alone. */
 static bool is_part_name(const char *name, size_t *count) {
     const char *at = name;
     size_t rank = 0, number = 0;
@@ -90,16 +90,17 @@ char *haft_parts_join(const haft_parts *parts, const char *name, haft_error *err
     return path;
 }
 
-/* Is the file locked still the one of that name? Another process may have taken it away first. */
+/* Whether the locked file is still the one of that name. Another process may have removed it before
+ * it was locked. */
 static bool still_there(int descriptor, const char *path) {
     struct stat held, named;
     return fstat(descriptor, &held) == 0 && stat(path, &named) == 0 &&
            held.st_ino == named.st_ino && held.st_dev == named.st_dev;
 }
 
-/* Makes and locks a file. One that is gone (ENOENT) is made again; one that is locked is waited for
- * a moment where `waits`, since a shard that ends has the folder alone while it looks whether it is
- * the last. @return 0 or an errno */
+/* Makes and locks a file. If it is removed meanwhile (ENOENT), makes it again. If it is locked and
+ * `waits` is set, tries again for a short time, since a shard that ends locks the folder
+ * exclusively while it checks whether it is the last. @return 0 or an errno */
 static int lock_file(int *out, const char *folder, const char *path, int operation, bool waits) {
     int reason = ENOENT;
     for (int i = 0; i < TRIES && (reason == ENOENT || (waits && reason == EWOULDBLOCK)); i++) {
@@ -111,7 +112,7 @@ static int lock_file(int *out, const char *folder, const char *path, int operati
         }
         int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0666);
         if (descriptor < 0) {
-            reason = errno; /* ENOENT: the folder went away between the two */
+            reason = errno; /* ENOENT: the folder was removed between the two calls */
             continue;
         }
         reason = flock(descriptor, operation | LOCK_NB) == 0 ? 0 : errno;
@@ -157,7 +158,7 @@ static void name_shard_lock(char name[HAFT_PART_NAME_CAPACITY], size_t shard, si
 
 static haft_status read_names(haft_parts *parts, const char *prefix, haft_error *error);
 
-/* Nobody wants a run split in two ways: it would follow beams twice. */
+/* Rejects parts of a run with another number of shards: together they would compute beams twice. */
 static haft_status refuse_other_split(haft_parts *parts, haft_error *error) {
     haft_status status = read_names(parts, HAFT_PART_PREFIX, error);
     for (size_t i = 0; i < parts->files && status == HAFT_OK; i++) {
@@ -232,13 +233,13 @@ static int is_part(const struct dirent *entry) {
     return is_part_name(entry->d_name, &count);
 }
 
-/* Neither a part nor a lock, nor the folder itself or the one above. */
+/* Whether an entry is neither a part nor a lock, nor "." or "..". */
 static int is_foreign(const struct dirent *entry) {
     return !is_lock(entry) && !is_part(entry) && strcmp(entry->d_name, ".") != 0 &&
            strcmp(entry->d_name, "..") != 0;
 }
 
-/* Removes the files of a folder that `which` names, then the folder if nothing is left in it. */
+/* Removes the files of a folder that `which` selects, then the folder if it is empty. */
 static void sweep_out(const char *folder, int (*which)(const struct dirent *entry)) {
     struct dirent **entry = NULL;
     int n = scandir(folder, &entry, which, NULL);
@@ -251,7 +252,7 @@ static void sweep_out(const char *folder, int (*which)(const struct dirent *entr
     if (descriptor >= 0) {
         close(descriptor);
     }
-    rmdir(folder); /* fails where anything is left, as it should */
+    rmdir(folder); /* fails if anything is left, as intended */
 }
 
 static int is_own(const struct dirent *entry) {
@@ -283,8 +284,8 @@ void haft_parts_release(haft_parts **parts) {
         close(p->shard_lock);
     }
     if (p->lock >= 0) {
-        /* The last shard to end has the folder alone, as a run always has; it removes all locks,
-         * those of killed shards too. */
+        /* The last shard to end can lock the folder exclusively, as a run always does. It removes
+         * all lock files, including those of killed shards. */
         if (p->shards == 0 || flock(p->lock, LOCK_EX | LOCK_NB) == 0) {
             sweep_out(p->folder, is_lock);
         }
@@ -323,7 +324,7 @@ static haft_status read_names(haft_parts *parts, const char *prefix, haft_error 
     return status;
 }
 
-/* How many files of a folder `which` names; -1 if it cannot be read. */
+/* The number of files of a folder that `which` selects; -1 if it cannot be read. */
 static int count(const char *folder, int (*which)(const struct dirent *entry)) {
     struct dirent **entry = NULL;
     int n = scandir(folder, &entry, which, NULL);
@@ -361,7 +362,7 @@ haft_status haft_parts_clear(haft_parts *parts, haft_error *error) {
 }
 
 haft_status haft_parts_retire(haft_parts *parts, haft_error *error) {
-    if (count(parts->folder, is_foreign) != 0) { /* they stay where they are: the folder does */
+    if (count(parts->folder, is_foreign) != 0) { /* other files stay, and so the folder */
         return haft_parts_clear(parts, error);
     }
     size_t capacity = strlen(parts->folder) + 64;
@@ -369,7 +370,7 @@ haft_status haft_parts_retire(haft_parts *parts, haft_error *error) {
     if (aside == NULL) {
         return HAFT_ERROR_MEMORY;
     }
-    int reason = EEXIST; /* a name may be left of a killed process that had this one's number */
+    int reason = EEXIST; /* the name may exist: left by a killed process with the same PID */
     for (int i = 0; i < TRIES && (reason == EEXIST || reason == ENOTEMPTY); i++) {
         haft_store_name(aside, capacity, parts->folder, i);
         reason = rename(parts->folder, aside) == 0 ? 0 : errno;

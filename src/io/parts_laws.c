@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The laws of a realization in its record, so that a run that builds each beam's laws before it
- * follows the beam loses neither when it is killed. */
+/* The laws of a realization in its record. Some runs build each beam's laws just before they follow
+ * the beam; if they are killed, both are saved. */
 #include "parts.h"
 
 #include <string.h>
@@ -58,7 +58,8 @@ static const char *take(void *to, const char *at, size_t size) {
     return at + size;
 }
 
-/* What was written under a checksum was whole when it was written; this guards the program. */
+/* Whether the laws are valid. The checksum shows only that they are as written; this protects the
+ * program from invalid values. */
 static bool is_sound(const haft_laws *laws) {
     for (size_t i = 0; i < laws->m; i++) {
         if ((int)laws->fault[i] < 0 || (int)laws->fault[i] >= HAFT_LAW_FAULTS) {

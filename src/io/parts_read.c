@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads parts back. Whatever a crash, a full disk or a failing one did to them, every record whose
- * checksums agree is kept: after a damaged one the next is looked for by its magic number. */
+/* Reads parts back. Every record with valid checksums is used, even after a crash, a full disk or a
+ * disk failure: after a damaged record, the next one is found by its magic number. */
 #include "parts_folder.h"
 
 #include <errno.h>
@@ -18,7 +18,7 @@ typedef struct scan {
     char *path;
     int descriptor;
     uint64_t size, at;
-    const haft_part_head *head; /* what it must be */
+    const haft_part_head *head; /* the expected head */
     const char *text;
     void (*note)(void *user, const char *text);
     void *user;
@@ -37,7 +37,7 @@ static void tell(const scan *s, const char *format, ...) {
     }
 }
 
-/* Reads bytes at a place; false where the file ends before or cannot be read. */
+/* Reads bytes at an offset; false if the file is too short or cannot be read. */
 static bool read_at(int descriptor, uint64_t offset, void *data, size_t size) {
     char *at = data;
     while (size > 0) {
@@ -57,7 +57,7 @@ static bool read_at(int descriptor, uint64_t offset, void *data, size_t size) {
 
 /* ---- the head ---- */
 
-/* The first line of `ours` that `theirs` does not have at the same place, and theirs. */
+/* Finds the first lines that differ: the one of `ours` and the one of `theirs`. */
 static void find_difference(const char *theirs, const char *ours, char line[2][160]) {
     line[0][0] = line[1][0] = '\0';
     while (*theirs != '\0' && *ours != '\0') {
@@ -96,8 +96,7 @@ static haft_status refuse_foreign(const scan *s, const haft_part_head *head, con
                           s->path, way);
 }
 
-/* Checks the head. *usable is false where the file holds nothing that can be told to be of this
- * case. */
+/* Checks the head. *usable is false if the file has no data that are certain to be of this case. */
 static haft_status check_head(scan *s, bool *usable) {
     haft_part_head head;
     *usable = false;
@@ -153,7 +152,7 @@ static bool is_record(const scan *s, uint64_t at, haft_part_record *record) {
            record->realization < s->parts->realizations;
 }
 
-/* The place of the next record from `at` on; the file's size if there is none. */
+/* The offset of the next record from `at` on; the file's size if there is none. */
 static uint64_t find_record(const scan *s, uint64_t at) {
     enum { MAGIC = sizeof((haft_part_record *)0)->magic };
     char block[BLOCK];
@@ -328,8 +327,7 @@ static haft_status make_path(haft_path **out, const haft_part_counts *counts, ha
     return HAFT_OK;
 }
 
-/* Whether the path turns within its points, they name jumps that it has, and its summary an outcome
- * that there is. */
+/* Whether the path's turn, the jumps that its points name and the summary's outcome exist. */
 static bool is_sound(const haft_path *path, const haft_summary *summary) {
     bool sound = (path->turn == 0 || path->turn < path->points) && summary->outcome >= 0 &&
                  summary->outcome < HAFT_OUTCOMES;
@@ -383,7 +381,7 @@ static haft_status unpack(haft_path **out, haft_summary *summary, haft_laws **la
     return status;
 }
 
-/* The bytes of an entry, which were whole when the parts were scanned. */
+/* Reads the bytes of an entry, which were intact when the parts were scanned. */
 static haft_status read_payload(char *payload, const char *path, const haft_parts_entry *entry,
                                 haft_error *error) {
     char digest[HAFT_DIGEST_CAPACITY];
@@ -392,7 +390,7 @@ static haft_status read_payload(char *payload, const char *path, const haft_part
     HAFT_TRY(haft_file_open(&descriptor, NULL, path, error));
     errno = 0;
     bool whole = read_at(descriptor, entry->offset, payload, size);
-    int reason = whole ? 0 : errno; /* 0: the file ends before */
+    int reason = whole ? 0 : errno; /* 0: the file is too short */
     close(descriptor);
     if (reason != 0) {
         return haft_error_set(error, HAFT_ERROR_IO, "%s: byte %llu: cannot be read: %s", path,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One process's part of a campaign: an append-only log, a record a realization. A record goes out
- * in one write, so a killed process leaves whole records and at most one torn tail; a write that
- * fails is taken back. What the kernel has taken survives the process; the disk is waited for once
- * a second at most. */
+/* One process's part of a campaign: an append-only log with one record per realization. A record is
+ * one write, so a killed process leaves whole records and at most one incomplete one at the end; a
+ * failed write is undone. Data that the kernel has taken survive the process; the file is flushed
+ * to the disk at most once a second. */
 #include "parts_folder.h"
 
 #include <errno.h>
@@ -19,12 +19,12 @@ enum { NUMBERS = 1000000 };
 struct haft_part {
     int descriptor;
     char *path;
-    off_t size; /* of what is whole */
+    off_t size; /* of all whole records */
     size_t records;
     double synced;
 };
 
-/* ---- what reader and writer share ---- */
+/* ---- shared by reader and writer ---- */
 
 haft_status haft_part_head_digest(char digest[HAFT_DIGEST_CAPACITY], const haft_part_head *head,
                                   const char *text, haft_error *error) {
@@ -89,7 +89,7 @@ static haft_status refused(const haft_part *part, int reason, haft_error *error)
                           strerror(reason));
 }
 
-/* Adds bytes at the end, or nothing. */
+/* Appends all bytes, or none. */
 static haft_status append(haft_part *part, const void *data, size_t size, haft_error *error) {
     const char *bytes = data;
     for (size_t done = 0; done < size;) {
@@ -100,7 +100,7 @@ static haft_status append(haft_part *part, const void *data, size_t size, haft_e
         if (n <= 0) {
             int reason = n < 0 ? errno : ENOSPC;
             if (ftruncate(part->descriptor, part->size) ==
-                0) { /* else a torn tail, dropped later */
+                0) { /* else an incomplete record, skipped when read */
                 (void)lseek(part->descriptor, part->size, SEEK_SET);
             }
             return refused(part, reason, error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The tables of results.h5, told once for the writer and the reader. */
+/* The tables of results.h5, defined once for writer and reader. */
 #include "hdf.h"
 
 #define REAL(type, member, name, unit, text)                                                       \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads results.h5 back. Opening it checks the whole file against its checksum, so whoever reads
- * many realizations opens it once. */
+/* Reads results.h5 back. Opening the file verifies the checksum of the whole, so a caller that
+ * reads many realizations opens it once. */
 #include "hdf.h"
 
 #include <math.h>

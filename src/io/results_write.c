@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* results.h5, realization by realization. It grows in memory and is stored whole at the end; its
- * temporary file is made at the start, so that a folder that cannot be written is told before the
- * work, not after. */
+/* Writes results.h5, realization by realization. It grows in memory and is stored whole at the end.
+ * Its temporary file is made at the start, so that a folder that is not writable is reported before
+ * the work, not after it. */
 #include "hdf.h"
 
 #include <math.h>
@@ -123,7 +123,7 @@ static void write_path(haft_hdf *hdf, size_t realization, const haft_path *path)
 
 /* ---- evidence ---- */
 
-/* What an independent program needs of each site. */
+/* The data of each site that an independent program needs. */
 typedef struct site_row {
     double x, area;
     haft_law_vector vector;
@@ -160,7 +160,7 @@ static void write_sites(haft_hdf *hdf, const char *group, const haft_model_data 
     haft_memory_free(row);
 }
 
-/* (w, rotation) of every node in every state; node 0 is the clamp and has no unknowns. */
+/* Writes (w, rotation) of every node in every state; node 0 is the clamp and has no unknowns. */
 static void write_displacement(haft_hdf *hdf, const char *name, const haft_path *path,
                                const haft_model_data *model) {
     hsize_t dims[3] = {path->points, model->nodes, 2};
@@ -225,7 +225,7 @@ static haft_status check_addition(const haft_results *results, size_t realizatio
                               "%s: realization %zu was added before or is not one of %zu",
                               results->path, realization, results->c.realizations);
     }
-    /* a beam that found no state at all has none to keep, and is a result all the same */
+    /* a beam without any state has none to keep, and is still a result */
     bool lost = path->state == NULL && path->points > 0;
     if (haft_case_wants_evidence(&results->c, realization) &&
         (lost || model->nodes == 0 || model->dofs != 2 * (model->nodes - 1))) {

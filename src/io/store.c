@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A temporary file in the same folder, flushed to the disk, then renamed over its goal: a reader
- * sees the old file or the new one, and a failure leaves the old. Until it is whole the temporary
- * file has no name, so that a killed process leaves nothing. Some file systems know no such files:
- * there it is named PATH.tmp.PID from the start, which is what a killed process leaves. */
+/* A temporary file in the same folder, flushed to the disk, then renamed to its target: a reader
+ * sees the old file or the new one, and a failure leaves the old one. Until it is complete, the
+ * temporary file has no name, so that a killed process leaves nothing. Some file systems have no
+ * unnamed files: there it is named PATH.tmp.PID from the start, and a killed process leaves it. */
 #include "store.h"
 #include "haft/io.h"
 #include "parts_folder.h"
@@ -48,7 +48,7 @@ static haft_status check_goal(const haft_store *store, haft_error *error) {
         return haft_error_set(error, HAFT_ERROR_IO, "%s: is a directory; give a file's name",
                               store->path);
     }
-    if (stat(store->path, &facts) == 0 && !S_ISREG(facts.st_mode)) { /* /dev/null, say */
+    if (stat(store->path, &facts) == 0 && !S_ISREG(facts.st_mode)) { /* such as /dev/null */
         return haft_error_set(error, HAFT_ERROR_IO,
                               "%s: is no regular file and is not replaced; give another name",
                               store->path);
@@ -56,7 +56,7 @@ static haft_status check_goal(const haft_store *store, haft_error *error) {
     return store->overwrite ? HAFT_OK : already_there(store->path, error);
 }
 
-/* The folder that a path lies in; false if its name is too long. */
+/* The folder of a path; false if its name is too long. */
 static bool folder_of(char folder[FOLDER_CAPACITY], const char *path) {
     const char *slash = strrchr(path, '/');
     int n = slash == NULL ? 1 : slash == path ? 1 : (int)(slash - path);
@@ -64,25 +64,25 @@ static bool folder_of(char folder[FOLDER_CAPACITY], const char *path) {
            FOLDER_CAPACITY;
 }
 
-/* By this path an open file can be given a name. */
+/* The path by which an open file can be given a name. */
 static void path_of_descriptor(char name[64], int descriptor) {
     snprintf(name, 64, "/proc/self/fd/%d", descriptor);
 }
 
-/* A file without a name in the folder of `path`; -1 where there are none. */
+/* Opens a file without a name in the folder of `path`; -1 if the file system has none. */
 static int open_unnamed(const char *path) {
     char folder[FOLDER_CAPACITY], own[64];
     int descriptor =
         folder_of(folder, path) ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
     path_of_descriptor(own, descriptor);
-    if (descriptor >= 0 && access(own, F_OK) != 0) { /* it could not be named in the end */
+    if (descriptor >= 0 && access(own, F_OK) != 0) { /* it could not be named later */
         close(descriptor);
         descriptor = -1;
     }
     return descriptor;
 }
 
-/* Takes a name that is free, for a new file or for the one without a name. @return 0 or an errno */
+/* Makes a temporary name, for a new file or for the one without a name. @return 0 or an errno */
 static int take_name(haft_store *store, char *temporary, size_t capacity) {
     char own[64];
     path_of_descriptor(own, store->descriptor);
@@ -146,7 +146,7 @@ haft_status haft_store_write(haft_store *store, const void *data, size_t size, h
     return HAFT_OK;
 }
 
-/* Makes the new name itself last. Some file systems cannot; the data are safe then all the same. */
+/* Flushes the new name to the disk. Some file systems cannot; the data are safe even so. */
 static void flush_folder(const char *path) {
     char folder[FOLDER_CAPACITY];
     int descriptor =
@@ -157,7 +157,8 @@ static void flush_folder(const char *path) {
     }
 }
 
-/* Another process may have made the goal meanwhile; where the kernel can refuse, it shall. */
+/* Renames the file. Another process may have made the target meanwhile: without `overwrite` the
+ * kernel rejects this if it can. */
 static int move(const haft_store *store) {
     if (!store->overwrite) {
         if (renameat2(AT_FDCWD, store->temporary, AT_FDCWD, store->path, RENAME_NOREPLACE) == 0) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names of files that are not whole yet, and which of them a process has left that is no more. */
+/* Names of files that are not complete yet, and which of them were left by processes that no longer
+ * run. */
 #include "store.h"
 
 #include <errno.h>
@@ -14,8 +15,8 @@ void haft_store_name(char *name, size_t capacity, const char *path, int number) 
              number);
 }
 
-/* Is this what a process that is no more left of `prefix`? Its number follows, and perhaps another
- * (haft_store_name); files of any other name are not Haft's. */
+/* Whether a process that no longer runs has left this file of `prefix`. After the prefix come its
+ * PID and possibly another number (haft_store_name); files of any other name are not Haft's. */
 bool haft_store_is_stale(const char *name, const char *prefix) {
     static const char digits[] = "0123456789";
     size_t n = strlen(prefix), maker = strncmp(name, prefix, n) == 0 ? strspn(name + n, digits) : 0;

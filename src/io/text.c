@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Text files read whole, so that no reader can take a part of one for all of it: neither a line
- * longer than some buffer nor a read that fails midway goes unnoticed. Byte order marks, UTF-16 and
- * line ends of CR alone are dealt with here, once for all readers. */
+/* Reads whole text files, so that no reader takes a part of a file for all of it: a line longer
+ * than a buffer, or a read that fails midway, cannot go unnoticed. Byte order marks, UTF-16 and
+ * line ends of CR alone are handled here for all readers. */
 #include "text.h"
 
 #include <string.h>
@@ -26,7 +26,7 @@ static uint32_t unit_at(const char *bytes, size_t i, encoding e) {
     return e == UTF_16_BIG ? first << 8 | second : second << 8 | first;
 }
 
-/* One character as UTF-8; @return its bytes. */
+/* Writes one character as UTF-8. @return its number of bytes */
 static size_t put_character(char *out, uint32_t code) {
     if (code < 0x80) {
         out[0] = (char)code;
@@ -41,7 +41,8 @@ static size_t put_character(char *out, uint32_t code) {
     return n;
 }
 
-/* UTF-16 behind its mark into UTF-8. @return the line of the first fault, 0 if there is none. */
+/* Converts UTF-16 after its mark to UTF-8. @return the line of the first error, 0 if there is none
+ */
 static size_t convert(char *out, size_t *size, const char *bytes, size_t units, encoding e) {
     size_t line = 1, used = 0;
     for (size_t i = 1; i < units; i++) {

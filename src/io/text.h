@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a text stands in a file. Private to this room. */
+/* The encoding of text files. Private to this room. */
 #ifndef HAFT_IO_TEXT_H
 #define HAFT_IO_TEXT_H
 
@@ -8,9 +8,9 @@
 /* Whether bytes begin with a byte order mark, of UTF-8 or UTF-16. */
 bool haft_text_is_marked(const char *bytes, size_t size);
 
-/* Brings a file's bytes, a 0 behind them, to one form: no byte order mark, UTF-8 instead of UTF-16
- * with one, and a line end of LF or CR LF where a CR alone ended a line. Bytes without a mark are
- * kept whatever they are. On failure the bytes stay the caller's. */
+/* Converts a file's bytes, followed by a 0, to one form: no byte order mark, UTF-8 instead of
+ * UTF-16 with such a mark, and lines that end in LF or CR LF instead of CR alone. Without a mark
+ * the encoding is not changed. On failure the caller still owns the bytes. */
 haft_status haft_text_decode(char **bytes, size_t *size, const char *path, haft_error *error);
 
 #endif

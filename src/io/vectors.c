@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Law vectors from a table made elsewhere: CSV whose first line names the columns and their units.
- */
+/* Reads law vectors from a table made by another program: CSV whose first line names the columns
+ * and their units. */
 #include "haft/io.h"
 
 #include <math.h>
@@ -19,15 +19,15 @@ static const struct {
     {"d_limit", "m", "d_limit [nm]"},
 };
 
-/* Where each number stands in a line, and what takes it to SI. */
+/* The field of each number in a line, and its factor to SI. */
 typedef struct layout {
     size_t field[COLUMNS], fault; /* fault: SIZE_MAX if there is none */
     double factor[COLUMNS];
     size_t fields;
 } layout;
 
-/* Splits a line at its commas, in place; @return how many fields it has, more than FIELDS_LIMIT if
- * it has too many. */
+/* Splits a line at its commas, in place. @return the number of fields, more than FIELDS_LIMIT if
+ * there are too many */
 static size_t split(char *line, char *field[FIELDS_LIMIT]) {
     size_t n = 0;
     for (char *at = line; at != NULL; n++) {
@@ -43,7 +43,7 @@ static size_t split(char *line, char *field[FIELDS_LIMIT]) {
     return n;
 }
 
-/* "e [mJ/m2]" into its name and its unit; false where it is neither a name nor both. */
+/* Splits "e [mJ/m2]" into name and unit; false if it is neither a name alone nor both. */
 static bool name_and_unit(const char *field, char name[NAME_CAPACITY], char unit[NAME_CAPACITY]) {
     field += strspn(field, " \t\"");
     size_t n = strcspn(field, "[] \t\"");
@@ -115,13 +115,13 @@ static haft_status read_layout(layout *l, const haft_units *units, const char *p
     return HAFT_OK;
 }
 
-/* Nothing but a 0, however it is written. */
+/* Whether a field is 0, in any notation. */
 static bool is_zero(const char *field) {
     double value = 1;
     return haft_number_read(field, &value) && value == 0;
 }
 
-/* One line into a vector; *sound false where the line itself says that it holds none. */
+/* Reads one line into a vector; *sound is false if the line has a fault and so no vector. */
 static haft_status read_row(const layout *l, const char *path, size_t number, char *line,
                             haft_law_vector *vector, bool *sound, haft_error *error) {
     char *field[FIELDS_LIMIT];
