@@ -8,17 +8,17 @@ enum { TERMS = HAFT_FAR_FIELD_TERMS, HALF = TERMS / 2, SAMPLES = 600 };
 
 /* t of a distance, and its derivatives. */
 typedef struct place {
-    double t, first, second;
+    double t, first, second, third;
 } place;
 
 HAFT_INLINE place place_of(double scale, double far, double d) {
     double q = 1 / (scale + d), t = scale * q;
-    return (place){t - far, -t * q, 2 * t * q * q};
+    return (place){t - far, -t * q, 2 * t * q * q, -6 * t * q * q * q};
 }
 
-/* A polynomial's value and derivatives. */
+/* A polynomial's value and derivatives, those over their factorials. */
 typedef struct series {
-    double value, first, half_second;
+    double value, first, second, third;
 } series;
 
 /* HALF terms by Horner's scheme: their number is fixed, and small enough for compilers to unroll
@@ -26,7 +26,8 @@ typedef struct series {
 HAFT_INLINE series half_of(const double *coefficient, double u) {
     series s = {0};
     for (size_t k = HALF; k-- > 0;) {
-        s.half_second = s.half_second * u + s.first;
+        s.third = s.third * u + s.second;
+        s.second = s.second * u + s.first;
         s.first = s.first * u + s.value;
         s.value = s.value * u + coefficient[k];
     }
@@ -36,40 +37,73 @@ HAFT_INLINE series half_of(const double *coefficient, double u) {
 /* Both halves: neither waits for the other, which takes half the time. */
 HAFT_INLINE series series_of(const double *coefficient, double u) {
     series low = half_of(coefficient, u), high = half_of(coefficient + HALF, u);
-    double u2 = u * u, u4 = u2 * u2, u10 = u4 * u4 * u2;
-    double v = u10 * u2, v1 = HALF * u10 * u, v2 = HALF * (HALF - 1) / 2 * u10;
+    double u2 = u * u, u4 = u2 * u2, u9 = u4 * u4 * u, u10 = u9 * u, v = u10 * u2;
+    double v1 = HALF * u10 * u, v2 = HALF * (HALF - 1) / 2 * u10;
+    double v3 = HALF * (HALF - 1) * (HALF - 2) / 6 * u9;
     return (series){low.value + v * high.value, low.first + v * high.first + v1 * high.value,
-                    low.half_second + v * high.half_second + v1 * high.first + v2 * high.value};
+                    low.second + v * high.second + v1 * high.first + v2 * high.value,
+                    low.third + v * high.third + v1 * high.second + v2 * high.first +
+                        v3 * high.value};
 }
 _Static_assert(HALF == 12, "the power between the halves");
 
+/* Which values are asked for. */
+typedef enum asked { PRESSURE, NO_CURVATURE, ALL } asked;
+
 /* t = 0 makes all vanish beyond d_out; slack is what d lacks of d_first. A distance that is no
  * number gives none. */
-HAFT_CLONES static void evaluate_far_field(const haft_far_field *field, size_t n,
-                                           const double *restrict distance, double *restrict energy,
-                                           double *restrict pressure, double *restrict slope) {
+HAFT_INLINE void evaluate_asked(const haft_far_field *field, asked what, size_t n,
+                                const double *restrict distance, double *restrict energy,
+                                double *restrict pressure, double *restrict slope,
+                                double *restrict curvature) {
     const haft_far_field f = *field;
-    const double far = f.scale / (f.scale + f.out);
+    const double far = f.scale / (f.scale + f.out), k = f.stretch;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         double d = distance[i] < f.first ? f.first : distance[i];
         double slack = distance[i] < f.first ? distance[i] - f.first : 0;
         place at = place_of(f.scale, far, d > f.out ? f.out : d);
         double t = d < f.out ? at.t : 0;
-        series q = series_of(f.coefficient, f.stretch * t - 1);
-        double c = q.value, c1 = q.first * f.stretch,
-               c2 = q.half_second * 2 * f.stretch * f.stretch;
+        series q = series_of(f.coefficient, k * t - 1);
+        double c = q.value, c1 = q.first * k, c2 = q.second * 2 * k * k;
         double by_t = t * t * (3 * c + t * c1), by_tt = t * (6 * c + t * (6 * c1 + t * c2));
         double p = by_t * at.first, s = by_tt * at.first * at.first + by_t * at.second;
-        energy[i] = t * t * t * c + slack * (p + slack / 2 * s);
         pressure[i] = p + slack * s;
-        slope[i] = s;
+        if (what != PRESSURE) {
+            energy[i] = t * t * t * c + slack * (p + slack / 2 * s);
+            slope[i] = s;
+        }
+        if (what == ALL) {
+            double c3 = q.third * 6 * k * k * k;
+            double by_ttt = 6 * c + t * (18 * c1 + t * (9 * c2 + t * c3));
+            double bend = by_ttt * at.first * at.first * at.first +
+                          3 * by_tt * at.first * at.second + by_t * at.third;
+            curvature[i] = distance[i] < f.first || d >= f.out ? 0 : bend;
+        }
     }
 }
 
+HAFT_CLONES static void evaluate_pressure(const haft_far_field *field, size_t n,
+                                          const double *distance,
+                                          const haft_far_field_values *out) {
+    evaluate_asked(field, PRESSURE, n, distance, NULL, out->pressure, NULL, NULL);
+}
+
+HAFT_CLONES static void evaluate_most(const haft_far_field *field, size_t n, const double *distance,
+                                      const haft_far_field_values *out) {
+    evaluate_asked(field, NO_CURVATURE, n, distance, out->energy, out->pressure, out->slope, NULL);
+}
+
+HAFT_CLONES static void evaluate_all(const haft_far_field *field, size_t n, const double *distance,
+                                     const haft_far_field_values *out) {
+    evaluate_asked(field, ALL, n, distance, out->energy, out->pressure, out->slope, out->curvature);
+}
+
 void haft_far_field_evaluate(const haft_far_field *field, size_t n, const double *distance,
-                             double *energy, double *pressure, double *slope) {
-    evaluate_far_field(field, n, distance, energy, pressure, slope);
+                             const haft_far_field_values *out) {
+    (out->slope == NULL       ? evaluate_pressure
+     : out->curvature == NULL ? evaluate_most
+                              : evaluate_all)(field, n, distance, out);
 }
 
 /* The points to fit, what is scaled out of them, and room for the equations, a column a term. */
@@ -95,8 +129,16 @@ static void set_weights(const fit *f, double scale) {
     }
 }
 
+/* What an error of x is held against: its own size, lest nothing be left of the tail, but for a
+ * share of the greatest. */
+static double blend(double x, double most) {
+    return fabs(x) + HAFT_FAR_FIELD_SHARE * most;
+}
+
 /* Equations 2 i and 2 i + 1 are energy and pressure of point i; the unknowns are those of Chebyshev
- * polynomials in u, which keeps the columns apart. */
+ * polynomials in u, which keeps the columns apart. The energy is the one above the last point's,
+ * where the field's is nil: else the pressures near there would have to make up for what lies
+ * beyond. */
 static void set_equations(const fit *f, double scale) {
     size_t rows = 2 * f->points;
     const double *d = f->distance;
@@ -104,7 +146,9 @@ static void set_equations(const fit *f, double scale) {
     for (size_t i = 0; i < f->points; i++) {
         place at = place_of(scale, far, d[i]);
         double t = at.t, u = stretch * t - 1, w = f->weight[i];
-        double we = w / f->most_energy, wp = w / f->most_pressure * at.first * t * t;
+        double we = w / blend(f->energy[i], f->most_energy);
+        double by_pressure = w / blend(f->pressure[i], f->most_pressure);
+        double wp = by_pressure * at.first * t * t;
         double c = 1, c1 = 0, before = u, before1 = 1; /* T_0 and T_-1 = T_1 */
         for (size_t k = 0; k < f->terms; k++) {
             double *column = f->matrix + k * rows;
@@ -113,8 +157,8 @@ static void set_equations(const fit *f, double scale) {
             double next = 2 * u * c - before, next1 = 2 * (c + u * c1) - before1;
             before = c, before1 = c1, c = next, c1 = next1;
         }
-        f->right[2 * i] = we * f->energy[i];
-        f->right[2 * i + 1] = w / f->most_pressure * f->pressure[i];
+        f->right[2 * i] = we * (f->energy[i] - f->energy[f->points - 1]);
+        f->right[2 * i + 1] = by_pressure * f->pressure[i];
     }
 }
 
@@ -178,12 +222,15 @@ static void to_powers(const double *part, size_t n, double *power) {
 
 static void set_errors(const fit *f, haft_far_field *out) {
     double *energy = f->value, *pressure = energy + f->points, *slope = pressure + f->points;
-    evaluate_far_field(out, f->points, f->distance, energy, pressure, slope);
+    evaluate_most(out, f->points, f->distance,
+                  &(haft_far_field_values){energy, pressure, slope, NULL});
     for (size_t i = 0; i < f->points; i++) {
         double e = fabs(energy[i] - f->energy[i]) / f->most_energy;
         double p = fabs(pressure[i] - f->pressure[i]) / f->most_pressure;
         out->energy_error = fmax(out->energy_error, e);
         out->pressure_error = fmax(out->pressure_error, p);
+        double own = fabs(pressure[i] - f->pressure[i]) / blend(f->pressure[i], f->most_pressure);
+        out->own_error = fmax(out->own_error, own);
     }
 }
 

@@ -203,7 +203,7 @@ static void far_fields_keep_their_ends(void **state) {
     const double d[] = {first, first - 2e-9, -20e-9, out, 1, out * (1 - 1e-9), INFINITY};
     enum { N = sizeof d / sizeof *d };
     double u[N], p[N], s[N];
-    haft_far_field_evaluate(&field, N, d, u, p, s);
+    haft_far_field_evaluate(&field, N, d, &(haft_far_field_values){u, p, s, NULL});
     for (int i = 1; i < 3; i++) {
         double x = d[i] - first;
         check_relative(p[i], p[0] + s[0] * x, 1e-12);
@@ -224,7 +224,7 @@ static void no_number_gives_none(void **state) {
     haft_error error = {0};
     double d = NAN, u, p, s;
     check_ok(haft_far_field_make(&field, 8, 3e-9, 200e-9, plates, &bare, &error), error);
-    haft_far_field_evaluate(&field, 1, &d, &u, &p, &s);
+    haft_far_field_evaluate(&field, 1, &d, &(haft_far_field_values){&u, &p, &s, NULL});
     assert_true(isnan(u) && isnan(p) && isnan(s));
 }
 
@@ -239,20 +239,42 @@ static void far_fields_find_a_field_again(void **state) {
         d[i] = 2e-9 * pow(100, i / (N - 1.0));
     }
     d[N - 1] = 200e-9;
-    haft_far_field_evaluate(&known, N, d, u, p, s);
+    haft_far_field_evaluate(&known, N, d, &(haft_far_field_values){u, p, s, NULL});
     check_ok(haft_far_field_fit(&again, 24, N, d, u, p, &error), error);
     check_less(again.energy_error, 1e-7);
     check_less(again.pressure_error, 1e-7);
-    haft_far_field_evaluate(&again, N, d, v, q, r);
+    haft_far_field_evaluate(&again, N, d, &(haft_far_field_values){v, q, r, NULL});
     for (int i = 0; i < N; i++) {
         check_near(v[i], u[i], 1e-7 * fabs(u[0]));
         check_near(q[i], p[i], 1e-7 * fabs(p[0]));
     }
     for (int i = 1; i < N; i++) { /* in any lane of a vector */
         double one[3];
-        haft_far_field_evaluate(&again, 1, d + i, one, one + 1, one + 2);
+        haft_far_field_evaluate(&again, 1, d + i,
+                                &(haft_far_field_values){one, one + 1, one + 2, NULL});
         assert_true(one[0] == v[i] && one[1] == q[i] && one[2] == r[i]);
     }
+}
+
+/* The curvature is the slope's derivative, and asking for it changes nothing else. */
+static void far_fields_bend(void **state) {
+    (void)state;
+    enum { N = 3 };
+    haft_far_field field;
+    haft_error error = {0};
+    check_ok(haft_far_field_make(&field, 24, 3e-9, 200e-9, plates, &bare, &error), error);
+    for (double d = 3.1e-9; d < 199e-9; d *= 1.07) {
+        double h = 1e-4 * d, at[N] = {d - h, d, d + h}, u[N], p[N], s[N], b[N], alone[N], v[N];
+        haft_far_field_evaluate(&field, N, at, &(haft_far_field_values){u, p, s, b});
+        check_near(b[1], (s[2] - s[0]) / (2 * h), 1e-5 * fabs(b[1]) + 1e-6 * fabs(s[1]) / d);
+        haft_far_field_evaluate(&field, N, at, &(haft_far_field_values){.pressure = alone});
+        assert_true(alone[1] == p[1]);
+        haft_far_field_evaluate(&field, N, at, &(haft_far_field_values){v, alone, s, NULL});
+        assert_true(alone[1] == p[1] && v[1] == u[1]);
+    }
+    double ends[N] = {2e-9, 200e-9, 300e-9}, u[N], p[N], s[N], b[N];
+    haft_far_field_evaluate(&field, N, ends, &(haft_far_field_values){u, p, s, b});
+    assert_true(b[0] == 0 && b[1] == 0 && b[2] == 0);
 }
 
 int main(void) {
@@ -266,6 +288,7 @@ int main(void) {
         cmocka_unit_test(far_fields_keep_their_ends),
         cmocka_unit_test(no_number_gives_none),
         cmocka_unit_test(far_fields_find_a_field_again),
+        cmocka_unit_test(far_fields_bend),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
