@@ -6,7 +6,7 @@
 #ifndef HAFT_LAW_H
 #define HAFT_LAW_H
 
-#include "haft/base.h"
+#include "haft/contact.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -73,9 +73,15 @@ typedef enum haft_law_kind {
     HAFT_LAW_TABLE, /**< the curve itself */
 } haft_law_kind;
 
-/** One law; a value, copied freely. A table law borrows its table. */
+/** One law, the sum of a near part, which is Morse or a table, and a far field,
+ *
+ *      f = f_near - P,    Phi = Phi_near + U,
+ *
+ *  with P = dU/dd of haft_far_field_evaluate(), which is positive where it pulls. A value, copied
+ *  freely; it borrows its table and its far field, which must outlive it. All numbers but `far` are
+ *  the near part's. */
 typedef struct haft_law {
-    haft_law_kind kind;          /**< what it is evaluated by */
+    haft_law_kind kind;          /**< what its near part is evaluated by */
     double f_max;                /**< greatest pull [Pa]; 0: never pulls */
     double d_max;                /**< its gap [m]; NaN: never pulls */
     double a_left;               /**< Morse exponent below d_max [1/m] */
@@ -85,6 +91,7 @@ typedef struct haft_law {
     double wall_slope;           /**< f' there [Pa/m] */
     double wall_potential;       /**< Phi there [J/m^2] */
     const haft_law_table *table; /**< borrowed; NULL for a Morse law */
+    const haft_far_field *far;   /**< borrowed; NULL: none, as functions make laws */
 } haft_law;
 
 /** f, f', f'' and Phi at a gap, with Phi' = -f and Phi = 0 at infinity. */
@@ -140,12 +147,13 @@ haft_law_value haft_law_evaluate(const haft_law *law, double d);
 /** Laws laid out for evaluating many at a time. Tables are borrowed. */
 typedef struct haft_law_rows haft_law_rows;
 
-/** Lays laws out. Their tables must outlive the rows.
+/** Lays laws out. Their tables and their far field must outlive the rows.
  *  @param[out] out the rows, to be destroyed
  *  @param[in] n how many laws
  *  @param[in] laws n of them; copied, but for their tables
  *  @param[out] error may be NULL
- *  @return HAFT_OK or HAFT_ERROR_MEMORY. Thread-safe. */
+ *  @return HAFT_ERROR_ARGUMENT for laws of which not all have the same far field, or none;
+ *  HAFT_ERROR_MEMORY. Thread-safe. */
 haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *laws,
                                  haft_error *error) HAFT_MUST_CHECK;
 /** Frees rows and sets the pointer to NULL; NULL is allowed. */
@@ -172,18 +180,21 @@ typedef struct haft_law_values {
 size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n, const double *d,
                               const haft_law_values *out);
 
-/** The largest gap [m] at which the pull is `share` of f_max; for a law that never pulls, the
- *  gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
+/** The largest gap at which the pull still is `share` of the greatest [m], with the far field in
+ *  both: of f_max without one. For a law that never pulls, the gap at which its push vanishes. 0 <
+ *  share < 1, else NaN; with a far field, a share below 1e-12 gives where all of it ends.
+ *  Thread-safe. */
 double haft_law_reach(const haft_law *law, double share);
 
-/** The gap beyond which the law's force, pull or push, stays below `share` of f_max [m]. It is
- *  haft_law_reach() unless a table pushes farther out than it pulls; for a law that never pulls,
- * the gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
+/** The gap beyond which the law's force, pull or push, stays below `share` of the greatest pull
+ *  [m]. It is haft_law_reach() unless a table pushes farther out than it pulls; for a law that
+ * never pulls, the gap at which its push vanishes. 0 < share < 1, else NaN. Thread-safe. */
 double haft_law_extent(const haft_law *law, double share);
 
-/** The length over which the law changes, for step control [m]: 1/max(a_left, a_right) of a
- *  Morse law; of a table, 4 f_max over the steepest slope beyond its wall, which is the same for
- *  a Morse law. Thread-safe. */
+/** The length over which the law's near part changes, for step control [m]: 1/max(a_left, a_right)
+ *  of a Morse law; of a table the same read off its steepest slope beyond its wall, 4 f_max over
+ *  that slope. A far field changes over a third of the gap or more, which is longer. Thread-safe.
+ */
 double haft_law_range(const haft_law *law);
 
 /** The lengths over which a law changes: a wall can be much narrower than the well behind it. */
@@ -193,14 +204,14 @@ typedef struct haft_law_lengths {
     double wide;  /**< beyond the edge [m]; equal to `range` unless at least ten times as long */
 } haft_law_lengths;
 
-/** The lengths over which a law changes. Of a Morse law the edge is d_max; of a table the end of
- * the last piece that is more than a tenth as steep as the steepest, if that is within its first
- *  quarter. Thread-safe. */
+/** The lengths over which a law's near part changes. Of a Morse law the edge is d_max; of a table
+ * the end of the last piece that is more than a tenth as steep as the steepest, if that is within
+ * its first quarter. Thread-safe. */
 haft_law_lengths haft_law_find_lengths(const haft_law *law);
 
-/** The misfit of a law to its curve: the integral of |f_law - f| from the law's wall to the
- *  curve's end, over the integral of the curve's pull, by the trapezoidal rule on its points. 0
- *  if the law is the curve.
+/** The misfit of a law's near part to the curve it stands for: integral |f_law - f| from the law's
+ * wall to the curve's end, over that of the curve's pull, by the trapezoidal rule on its points. 0
+ * for a law that is the curve; 1 if as much energy is out of place as there is.
  *  @param[in] law compared with the curve
  *  @param[in] n points
  *  @param[in] distance increasing [m], n >= 2

@@ -2,18 +2,28 @@
 /* The one interface to every kind of law. */
 #include <math.h>
 
+#include "law/far.h"
 #include "law/table.h"
 #include "law/wings.h"
 
 haft_law_value haft_law_evaluate(const haft_law *law, double d) {
-    return law->kind == HAFT_LAW_MORSE
-               ? haft_law_wings_evaluate(haft_law_wings(law), d, haft_law_wings_bounds(), true)
-               : haft_law_table_evaluate(law->table, d);
+    haft_law_value x =
+        law->kind == HAFT_LAW_MORSE
+            ? haft_law_wings_evaluate(haft_law_wings(law), d, haft_law_wings_bounds(), true)
+            : haft_law_table_evaluate(law->table, d);
+    if (law->far != NULL) {
+        haft_law_values at = {&x.force, &x.slope, &x.curvature, &x.potential};
+        haft_law_add_far(law->far, 1, &d, &at, 0);
+    }
+    return x;
 }
 
 double haft_law_reach(const haft_law *law, double share) {
     if (!(share > 0 && share < 1)) {
         return NAN;
+    }
+    if (law->far != NULL) {
+        return haft_law_far_reach(law, share, false);
     }
     if (law->kind == HAFT_LAW_TABLE) {
         return haft_law_table_reach(law->table, share);
@@ -23,6 +33,9 @@ double haft_law_reach(const haft_law *law, double share) {
 }
 
 double haft_law_extent(const haft_law *law, double share) {
+    if (law->far != NULL && share > 0 && share < 1) {
+        return haft_law_far_reach(law, share, true);
+    }
     bool is_table = law->kind == HAFT_LAW_TABLE && share > 0 && share < 1;
     return is_table ? haft_law_table_extent(law->table, share) : haft_law_reach(law, share);
 }

@@ -3,14 +3,15 @@
  * curve's points. */
 #include <math.h>
 
-#include "haft/law.h"
+#include "law/far.h"
 
 double haft_law_misfit(const haft_law *law, size_t n, const double *distance, const double *force) {
+    haft_law near = haft_law_near(law);
     double between = 0, energy = 0, last_gap = 0, last_pull = 0;
     for (size_t i = 0; i < n; i++) {
         double gap = 0, pull = fmax(-force[i], 0);
         if (distance[i] >= law->wall_distance) {
-            gap = fabs(haft_law_evaluate(law, distance[i]).force - force[i]);
+            gap = fabs(haft_law_evaluate(&near, distance[i]).force - force[i]);
         }
         if (i > 0) {
             double half = 0.5 * (distance[i] - distance[i - 1]);

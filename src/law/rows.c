@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Laws laid out for evaluation: each of their numbers in a row of its own, padded so that the
  * innermost loop of the solver works on whole vectors. Table laws are evaluated one by one after
- * it. */
+ * it, and what all have in common, their far field, last. */
+#include "law/far.h"
 #include "law/table.h"
 #include "law/wings.h"
 
@@ -17,6 +18,7 @@ struct haft_law_rows {
                                beyond which a law is zero */
     size_t tables;          /* how many there are */
     haft_table_head *table; /* laws: zero where a law is no table */
+    const haft_far_field *far; /* of all, or NULL */
 };
 
 /* The gap beyond which a law evaluates to zero, with room for rounding; -INFINITY for empty lanes.
@@ -41,11 +43,21 @@ static void put(haft_law_rows *rows, size_t i, haft_wings w) {
 haft_status haft_law_rows_create(haft_law_rows **out, size_t n, const haft_law *laws,
                                  haft_error *error) {
     *out = NULL;
+    for (size_t i = 1; i < n; i++) {
+        if (laws[i].far != laws[0].far) {
+            return haft_error_set(
+                error, HAFT_ERROR_ARGUMENT,
+                "law %zu has another far field than law 0; all must share one, or "
+                "have none",
+                i);
+        }
+    }
     haft_law_rows *rows = haft_memory_alloc(1, sizeof *rows, error);
     if (rows == NULL) {
         return HAFT_ERROR_MEMORY;
     }
     rows->laws = n;
+    rows->far = n > 0 ? laws[0].far : NULL;
     rows->bounds = haft_law_wings_bounds();
     rows->stride = haft_simd_padded(n);
     rows->value = haft_memory_alloc(COLUMNS * rows->stride, sizeof *rows->value, error);
@@ -231,5 +243,5 @@ size_t haft_law_rows_evaluate(const haft_law_rows *rows, size_t first, size_t n,
         haft_law_tables_evaluate(rows->table + first, n, d, out);
         zeros = count_zeros(n, out);
     }
-    return zeros;
+    return rows->far != NULL ? haft_law_add_far(rows->far, n, d, out, zeros) : zeros;
 }

@@ -319,6 +319,14 @@ haft_law haft_law_from_table(const haft_law_table *table) {
                       .table = table};
 }
 
+size_t haft_law_table_points(const haft_law_table *table) {
+    return table->pieces + 1;
+}
+
+double haft_law_table_point(const haft_law_table *table, size_t i) {
+    return i < table->pieces ? table->piece[i].start : table->last;
+}
+
 /* Where the last of the pushes ends, of a table that never pulls. */
 static double end_of_push(const haft_law_table *table) {
     for (size_t i = table->pieces; i-- > 0;) {

@@ -25,6 +25,11 @@ haft_table_head haft_law_table_head(const haft_law_table *table);
 /* Values of n tables, each at its own d; where a table is NULL nothing is written. */
 void haft_law_tables_evaluate(const haft_table_head *head, size_t n, const double *d,
                               const haft_law_values *out);
+
+/* Its points: how many, and where they are. */
+size_t haft_law_table_points(const haft_law_table *table);
+double haft_law_table_point(const haft_law_table *table, size_t i);
+
 double haft_law_table_reach(const haft_law_table *table, double share);
 double haft_law_table_extent(const haft_law_table *table, double share);
 haft_law_lengths haft_law_table_lengths(const haft_law_table *table);

@@ -324,7 +324,8 @@ static double border_stiffness(const haft_tracker *t, haft_parameter parameter) 
         return 0;
     }
     const haft_law *law = &t->problem.laws[parameter.index];
-    double slope = 4 * law->f_max / t->problem.lengths.range[parameter.index];
+    double slope =
+        4 * law->f_max / t->problem.lengths.range[parameter.index] + t->problem.far_slope;
     double gap = haft_mesh_of(t)->gap;
     return 1 + slope * parameter.site->area * gap * gap / haft_mesh_of(t)->energy_unit;
 }

@@ -9,7 +9,7 @@
 /* Arrays over the sites, of lengths of their laws [m]; see haft_law_lengths. */
 typedef struct haft_site_lengths {
     double *range, *edge, *wide;
-    double *far;  /* force below 1e-3 of the maximum beyond */
+    double *far;  /* near part's force below 1e-3 of its maximum beyond */
     double *wall; /* the law is linear below */
 } haft_site_lengths;
 

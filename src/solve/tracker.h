@@ -68,8 +68,9 @@ typedef struct haft_problem {
     haft_programme programme;
     double load_unit; /* energy_unit / gap [N] */
     haft_site_lengths lengths;
-    double *reach; /* attraction counts as felt within [m] */
-    double *lost;  /* force below 1e-16 of the maximum beyond [m] */
+    double *reach;    /* attraction counts as felt within [m] */
+    double *lost;     /* force below 1e-16 of the maximum beyond, and no far field left [m] */
+    double far_slope; /* steepest of the far field, 0 without [Pa/m] */
 } haft_problem;
 
 /* Scratch arrays. None keeps its contents from one function of tracker.h, branch.h or landing.h to

@@ -115,7 +115,31 @@ static haft_status allocate(haft_tracker *t, haft_error *error) {
 /* Share below which it is lost in rounding. */
 #define LOST_SHARE 1e-16
 
+/* The steepest fall of the far field's pull [Pa/m]. */
+static double steepest_far(const haft_far_field *far) {
+    enum { POINTS = 256 };
+    double most = 0;
+    for (int i = 0; i < POINTS && far != NULL; i++) {
+        double d = far->first + (far->out - far->first) * pow((double)i / POINTS, 3);
+        double energy, pressure, slope;
+        haft_far_field_evaluate(far, 1, &d,
+                                &(haft_far_field_values){&energy, &pressure, &slope, NULL});
+        most = fmax(most, fabs(slope));
+    }
+    return most;
+}
+
+/* A far field changes over a third of the gap or more, which is longer than the step out of what
+ * the near part has there: so `far` is the near part's, and beyond it steps grow with the gap. */
+static double extent_of_near(const haft_law *law) {
+    haft_law near = *law;
+    near.far = NULL;
+    return haft_law_extent(&near, FAINT_SHARE);
+}
+
 static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
+    size_t sites = haft_mesh_of(t)->sites;
+    t->problem.far_slope = steepest_far(sites > 0 ? t->problem.laws[0].far : NULL);
     for (size_t r = 0; r < haft_mesh_of(t)->sites; r++) {
         haft_law_lengths lengths = haft_law_find_lengths(&t->problem.laws[r]);
         t->problem.lengths.range[r] = lengths.range;
@@ -123,7 +147,7 @@ static haft_status put_at_rest(haft_tracker *t, haft_error *error) {
         t->problem.lengths.wide[r] = lengths.wide;
         t->problem.reach[r] =
             haft_law_reach(&t->problem.laws[r], t->problem.programme.crack_threshold);
-        t->problem.lengths.far[r] = haft_law_extent(&t->problem.laws[r], FAINT_SHARE);
+        t->problem.lengths.far[r] = extent_of_near(&t->problem.laws[r]);
         t->problem.lost[r] = haft_law_extent(&t->problem.laws[r], LOST_SHARE);
         t->problem.lengths.wall[r] = t->problem.laws[r].wall_distance;
         if (!(t->problem.lengths.range[r] > 0) ||

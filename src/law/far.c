@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Laws with a far field. The sum has no closed form for its greatest pull, nor for the gap at which
+ * the pull passes a level: both are looked for between points that the near part gives, close
+ * enough that it turns at most once between two, and points spread by their ratio beyond. */
+#include "law/far.h"
+
+#include <math.h>
+
+#include "law/table.h"
+
+/* A level so small is passed nowhere but at the far field's end. */
+#define LEAST_SHARE 1e-12
+
+/* Decay lengths of a Morse law that its points go out to, and how many they are a length. */
+#define DECAYS 40
+enum { CHUNK = 32, A_DECAY = 2, LEFT = 8, TAIL = 48, HALVINGS = 50 };
+
+/* The points of [begin, end) that are within the field. */
+static void add_chunk(const haft_far_field *far, size_t n, const double *d,
+                      const haft_law_values *out) {
+    double energy[CHUNK], pressure[CHUNK], slope[CHUNK], curvature[CHUNK];
+    bool force_alone = out->slope == NULL, bends = out->curvature != NULL;
+    haft_far_field_evaluate(far, n, d,
+                            &(haft_far_field_values){energy, pressure, force_alone ? NULL : slope,
+                                                     bends ? curvature : NULL});
+    for (size_t i = 0; i < n; i++) {
+        out->force[i] -= pressure[i];
+    }
+    for (size_t i = 0; i < n && !force_alone; i++) {
+        out->slope[i] -= slope[i];
+        out->potential[i] += energy[i];
+    }
+    for (size_t i = 0; i < n && bends; i++) {
+        out->curvature[i] -= curvature[i];
+    }
+}
+
+static bool all_beyond(const haft_far_field *far, size_t n, const double *d) {
+    while (n > 0 && d[n - 1] >= far->out) {
+        n--;
+    }
+    return n == 0;
+}
+
+size_t haft_law_add_far(const haft_far_field *far, size_t n, const double *d,
+                        const haft_law_values *out, size_t zeros) {
+    size_t beyond = 0;
+    while (beyond < n && d[beyond] >= far->out) {
+        beyond++;
+    }
+    for (size_t i = beyond; i < n; i += CHUNK) {
+        size_t some = n - i < CHUNK ? n - i : CHUNK;
+        haft_law_values at = {out->force + i, out->slope != NULL ? out->slope + i : NULL,
+                              out->curvature != NULL ? out->curvature + i : NULL,
+                              out->potential != NULL ? out->potential + i : NULL};
+        if (!all_beyond(far, some, d + i)) {
+            add_chunk(far, some, d + i, &at);
+        }
+    }
+    zeros = zeros < beyond ? zeros : beyond;
+    return zeros < n ? zeros / HAFT_SIMD_WIDTH * HAFT_SIMD_WIDTH : n;
+}
+
+/* The gaps between which something is looked for: the near part's, then the tail's. */
+typedef struct points {
+    const haft_law *law;
+    size_t near, all;
+    double first, last; /* of the near part */
+} points;
+
+static points points_of(const haft_law *law) {
+    points p = {.law = law};
+    if (law->kind == HAFT_LAW_TABLE) {
+        p.near = haft_law_table_points(law->table);
+        p.first = haft_law_table_point(law->table, 0);
+        p.last = haft_law_table_point(law->table, p.near - 1);
+    } else {
+        p.near = LEFT + 1 + DECAYS * A_DECAY;
+        p.first = law->wall_distance;
+        p.last = law->d_max + DECAYS / law->a_right;
+    }
+    p.all = p.near + (law->far->out > p.last && p.last > 0 ? TAIL : 0);
+    return p;
+}
+
+static double point_at(const points *p, size_t i) {
+    const haft_law *law = p->law;
+    if (i >= p->near) {
+        double share = (double)(i + 1 - p->near) / TAIL;
+        return i + 1 == p->all ? law->far->out : p->last * pow(law->far->out / p->last, share);
+    }
+    if (law->kind == HAFT_LAW_TABLE) {
+        return haft_law_table_point(law->table, i);
+    }
+    double left = (double)i / LEFT, right = (double)(i - LEFT) / A_DECAY;
+    return i < LEFT ? p->first + left * (law->d_max - p->first) : law->d_max + right / law->a_right;
+}
+
+/* Forces at up to CHUNK points. */
+static void forces_at(const points *p, size_t from, size_t n, double *force) {
+    double d[CHUNK];
+    haft_law near = haft_law_near(p->law);
+    for (size_t i = 0; i < n; i++) {
+        d[i] = point_at(p, from + i);
+        force[i] = haft_law_evaluate(&near, d[i]).force;
+    }
+    haft_law_add_far(p->law->far, n, d, &(haft_law_values){.force = force}, 0);
+}
+
+/* The greatest pull about its greatest point, between the neighbours: by the golden section. */
+static double refine(const points *p, size_t at, double most, double *where) {
+    const double part = 0.3819660112501051;
+    double low = point_at(p, at > 0 ? at - 1 : 0);
+    double high = point_at(p, at + 1 < p->all ? at + 1 : at);
+    for (int i = 0; i < HALVINGS; i++) {
+        double a = low + part * (high - low), b = high - part * (high - low);
+        double left = -haft_law_evaluate(p->law, a).force;
+        double right = -haft_law_evaluate(p->law, b).force;
+        if (left > right) {
+            high = b;
+        } else {
+            low = a;
+        }
+        if (fmax(left, right) > most) {
+            most = fmax(left, right);
+            *where = left > right ? a : b;
+        }
+    }
+    return most;
+}
+
+static double greatest_pull(const points *p, double *where) {
+    double most = 0, force[CHUNK];
+    size_t at = p->all;
+    for (size_t i = 0; i < p->all; i += CHUNK) {
+        size_t n = p->all - i < CHUNK ? p->all - i : CHUNK;
+        forces_at(p, i, n, force);
+        for (size_t k = 0; k < n; k++) {
+            if (-force[k] > most) {
+                most = -force[k];
+                at = i + k;
+            }
+        }
+    }
+    if (at == p->all) {
+        return 0;
+    }
+    *where = point_at(p, at);
+    return refine(p, at, most, where);
+}
+
+/* How much a law's force exceeds a level in one direction. */
+typedef struct excess {
+    const haft_law *law;
+    double sign, level;
+} excess;
+
+static double exceeds(const void *data, double d, double *slope) {
+    const excess *e = data;
+    haft_law_value value = haft_law_evaluate(e->law, d);
+    *slope = e->sign * value.slope;
+    return e->sign * value.force - e->level;
+}
+
+/* Where, beyond `from`, whose pull exceeds the level, the last pull (or push) of so much ends. */
+static double last_passage(const points *p, double level, bool pushes, double from) {
+    double force[CHUNK], end = point_at(p, p->all - 1);
+    for (size_t i = p->all; i > 0;) {
+        size_t n = i < CHUNK ? i : CHUNK;
+        i -= n;
+        forces_at(p, i, n, force);
+        for (size_t k = n; k-- > 0;) {
+            double here = point_at(p, i + k);
+            bool push = pushes && here > from && force[k] >= level;
+            if (push || here <= from || force[k] <= -level) {
+                excess e = {p->law, push ? 1 : -1, level};
+                return haft_root_find(exceeds, &e, fmax(here, from), end, false);
+            }
+            end = here;
+        }
+    }
+    return from;
+}
+
+double haft_law_far_reach(const haft_law *law, double share, bool pushes) {
+    haft_law near = haft_law_near(law);
+    points p = points_of(law);
+    double where = p.first, most = greatest_pull(&p, &where);
+    if (!(most > 0)) {
+        return haft_law_reach(&near, share);
+    }
+    return share < LEAST_SHARE ? fmax(haft_law_extent(&near, share), law->far->out)
+                               : last_passage(&p, share * most, pushes, where);
+}
