@@ -235,6 +235,21 @@ static void print_psd(const haft_case *c) {
                     haft_psd_get_correlation_length(&fit.psd), &fit.psd);
 }
 
+static void print_dispersion(const haft_case *c) {
+    haft_dispersion law;
+    if (!c->contact.has_dispersion || haft_case_dispersion(&law, c, NULL) != HAFT_OK) {
+        return;
+    }
+    const haft_far_field *far = c->contact.far;
+    double d[2] = {c->contact.distance_from, c->contact.distance_to}, pressure[2];
+    haft_far_field_evaluate(far, 2, d, &(haft_far_field_values){.pressure = pressure});
+    printf(
+        "  dispersion           %.4g J, gaps from %.3g to %.4g nm; %.3g kPa at %.3g nm, %.3g kPa "
+        "at %.3g nm\n",
+        law.substrate, law.cut_off * 1e9, far->out * 1e9, pressure[0] * 1e-3, d[0] * 1e9,
+        pressure[1] * 1e-3, d[1] * 1e9);
+}
+
 static void print_derived(const haft_case *c) {
     haft_psd_moments m = haft_case_moments(c);
     haft_gw gw = haft_gw_from_moments(m);
@@ -254,10 +269,10 @@ static void print_derived(const haft_case *c) {
     if (physics.capillary &&
         haft_capillary_from_spec(&capillary, &c->contact.capillary, NULL) == HAFT_OK) {
         printf("  capillary            %.3g MPa within %.3g nm\n", capillary.pressure * 1e-6,
-               (capillary.range + 2 * haft_study_film(c)) * 1e9);
-        if (haft_study_film(c) > 0) {
+               (capillary.range + 2 * haft_case_film(c)) * 1e9);
+        if (haft_case_film(c) > 0) {
             printf("  adsorbed water       %.3g nm on each face, in that range\n",
-                   haft_study_film(c) * 1e9);
+                   haft_case_film(c) * 1e9);
         }
     }
     haft_contact_spec contact;
@@ -267,6 +282,7 @@ static void print_derived(const haft_case *c) {
                physics.humid ? "humid" : "dry",
                contact.path == HAFT_VDW_APPROACH ? "approach" : "separation");
     }
+    print_dispersion(c);
     printf("  beam                 bending stiffness %.4g N m2, %ld patches, %zu realizations\n",
            haft_beam_bending_stiffness(&c->beam), lround(c->beam.length / c->mesh.l_meso),
            c->realizations);

@@ -342,6 +342,20 @@ haft_status haft_dispersion_check(const haft_dispersion *law, haft_error *error)
  *  @param[in] gap g [m], > 0. Thread-safe. */
 haft_dispersion_value haft_dispersion_at(const haft_dispersion *law, double gap);
 
+/** Takes off the energy of contact what dispersion across the gap has beyond its cut-off,
+ *
+ *      w' = w - |W(cut_off)|,    sigma_0' = w'/h_0,
+ *
+ *  so that flat faces, brought apart from contact, take w in all: w' within the range h_0 and
+ *  |W(cut_off)| beyond the cut-off, and nothing counts twice. What this leaves out: between h_0 and
+ *  the cut-off a point that belongs to no asperity in contact has no force.
+ *  @param[in,out] vdw from haft_vdw_from_spec()
+ *  @param[in] law one that passed haft_dispersion_check()
+ *  @param[out] error may be NULL
+ *  @return HAFT_ERROR_INPUT where nothing would be left. Thread-safe. */
+haft_status haft_vdw_leave_tail(haft_vdw *vdw, const haft_dispersion *law,
+                                haft_error *error) HAFT_MUST_CHECK;
+
 /** What an average over a surface needs to know of it: its heights, counted in bins. */
 typedef struct haft_height_bins haft_height_bins;
 

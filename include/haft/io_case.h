@@ -167,7 +167,18 @@ typedef struct haft_case {
             double r0;                         /**< [m] */
             haft_vdw_path path;
         } vdw;
-        haft_adsorbed adsorbed; /**< the films on both faces add to the capillary range */
+        bool has_dispersion;
+        struct {
+            double hamaker;         /**< through air [J]; 0: that of vdw, hamaker_dry */
+            double cut_off;         /**< least gap that counts, before menisci [m] */
+            double retardation;     /**< wavelength [m]; 0: none */
+            double reach;           /**< gap at which the far field ends [m] */
+            double oxide_thickness; /**< on both faces [m]; 0: none */
+            double oxide_hamaker;   /**< [J] */
+        } dispersion;               /**< forces across the gap of what does not touch */
+        haft_far_field *far;    /**< of the surface, for the laws of all sites; owned; NULL without
+                                     dispersion */
+        haft_adsorbed adsorbed; /**< films on both faces lengthen the capillary range by both */
         haft_case_files adsorbed_file;
         haft_adsorption film; /**< from the table; points into film_data */
         double *film_data;    /**< owned */
@@ -241,11 +252,11 @@ typedef struct haft_case {
  *  right", then "and N more" if the message is full. For a file that is not a plain YAML document
  *  (syntax, anchors, tags, a second document, not UTF-8) only the first error is reported.
  *
- *  If absent: path, study.stop, output, reference, law.chaos and load.limit take their defaults
- *  (load_limit INFINITY, the reference NaN). Without contact.capillary the contact is dry
- *  (has_capillary false, its fields 0); without contact.vdw there are no van der Waals forces
- *  (has_vdw false). beam.element_length is required only for a uniform mesh (else 0).
- *  mesh.active_from is half of load.crack_length.
+ *  Absent: path, study.stop, output, reference, law.chaos and load.limit take their defaults
+ *  (load_limit INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary
+ *  false, its fields 0); contact.vdw none of those forces (has_vdw false); contact.dispersion none
+ *  across the gap (has_dispersion false, far NULL); beam.element_length is
+ * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 
@@ -284,6 +295,24 @@ typedef struct haft_physics {
 
 /** The forces of a case. Thread-safe. */
 haft_physics haft_case_physics(const haft_case *c);
+
+/** Thickness of the water film adsorbed on each face at the case's humidity [m], 0 if it wants
+ * none. Menisci then reach from film to film: the capillary range is that of Kelvin's law and both
+ * films. A choice of Haft's: the film's own pressure on Kelvin's law is left out. */
+double haft_case_film(const haft_case *c);
+
+/** The dispersion force across the gap of a case's faces that do not touch. Where menisci act its
+ *  cut-off is the capillary range if that is more, since water fills what is nearer. The film of
+ *  water counts in that range alone, not as a layer.
+ *  @return HAFT_ERROR_INPUT as haft_dispersion_check(). Thread-safe. */
+haft_status haft_case_dispersion(haft_dispersion *out, const haft_case *c,
+                                 haft_error *error) HAFT_MUST_CHECK;
+
+/** The van der Waals forces of contact of a case: of its Hamaker constant through air or water, and
+ *  with dispersion across the gap in dry contact, without the energy that the latter has (see
+ *  haft_vdw_leave_tail()). Thread-safe.
+ *  @return HAFT_ERROR_INPUT as haft_vdw_from_spec() and haft_vdw_leave_tail(). */
+haft_status haft_case_vdw(haft_vdw *out, const haft_case *c, haft_error *error) HAFT_MUST_CHECK;
 
 /** "capillary", "van der Waals", "capillary and van der Waals" or "contact alone". */
 const char *haft_physics_name(haft_physics physics);

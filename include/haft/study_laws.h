@@ -26,11 +26,6 @@ typedef struct haft_progress {
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c,
                                     haft_error *error) HAFT_MUST_CHECK;
 
-/** Thickness of the water film adsorbed on each face at the case's humidity [m]; 0 if the case
- *  has none. Menisci then reach from film to film: the capillary range is that of Kelvin's law
- *  plus both films. The effect of the film's own pressure on Kelvin's law is neglected. */
-double haft_study_film(const haft_case *c);
-
 /** The plan of a case's surfaces.
  *  @param[out] out the plan; NULL after a failure
  *  @param[in] c the case

@@ -23,6 +23,19 @@ haft_status haft_vdw_from_spec(haft_vdw *out, const haft_vdw_spec *spec, haft_er
     return HAFT_OK;
 }
 
+haft_status haft_vdw_leave_tail(haft_vdw *vdw, const haft_dispersion *law, haft_error *error) {
+    double tail = -haft_dispersion_at(law, law->cut_off).energy, left = vdw->energy - tail;
+    if (!(left > 0)) {
+        return haft_error_set(error, HAFT_ERROR_INPUT,
+                              "dispersion beyond %.4g nm has %.4g mJ/m^2, and contact but %.4g: "
+                              "nothing is left for contact; give a larger cut-off",
+                              law->cut_off * 1e9, tail * 1e3, vdw->energy * 1e3);
+    }
+    vdw->energy = left;
+    vdw->stress = left / vdw->range;
+    return HAFT_OK;
+}
+
 static double lambda_of(const haft_vdw *vdw, double modulus, double radius) {
     return vdw->stress * cbrt(9 * radius / (2 * M_PI * vdw->energy * modulus * modulus));
 }

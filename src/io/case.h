@@ -154,7 +154,10 @@ haft_status haft_case_read_points(double **points, size_t *n, haft_case_files *f
                                   const char *const names[2], const double factors[2],
                                   haft_error *error);
 
-/* Whether a key has a meaning in this case. */
+/* Makes contact.far of a case with dispersion that is sound in all else. */
+haft_status haft_case_make_far_field(haft_case *c, haft_error *error);
+
+/* Whether a key belongs to the case at all. */
 bool haft_case_has_part(const haft_case *c, const haft_key *key);
 
 /* Whether a key has valid values, and whether it was written with valid values. */

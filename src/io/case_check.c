@@ -272,32 +272,115 @@ static void check_forces(haft_case_reader *reader) {
     }
 }
 
-/* Every asperity that a patch can have must be within the range of the table of van der Waals
- * forces. */
+static const char *const dispersion_keys[] = {
+    "contact.dispersion.hamaker", "contact.dispersion.cut_off", "contact.dispersion.retardation",
+    "contact.dispersion.reach"};
+enum { DISPERSION_KEYS = sizeof dispersion_keys / sizeof *dispersion_keys };
+
+/* A length that is good by itself must also lie in [least, most]. */
+static void check_length(haft_case_reader *reader, const char *path, double length, double least,
+                         double most, const char *why) {
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
+    if (haft_case_is_sound(reader, path) && !(length >= least && length <= most)) {
+        WRONG(reader, path, "%s is %s; give %s to %s", length_text(length, a), why,
+              length_text(least, b), length_text(most, d));
+    }
+}
+
+static void check_reach(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    char a[LENGTH_CAPACITY], b[LENGTH_CAPACITY], d[LENGTH_CAPACITY];
+    double reach = c->contact.dispersion.reach;
+    if (haft_case_is_sound(reader, "contact.dispersion.reach") &&
+        haft_case_is_sound(reader, "contact.distance.to") &&
+        haft_case_is_sound(reader, "beam.gap") &&
+        !(reach > c->contact.distance_to && reach < c->beam.gap)) {
+        WRONG(reader, "contact.dispersion.reach",
+              "%s is not between the end of the laws of contact and the beam at rest; give more "
+              "than contact.distance.to, %s, and less than beam.gap, %s",
+              length_text(reach, a), length_text(c->contact.distance_to, b),
+              length_text(c->beam.gap, d));
+    }
+}
+
+/* The law, and what it must leave of the energy of contact. */
+static void check_tail(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    haft_dispersion law;
+    haft_vdw vdw;
+    haft_error own = {0};
+    if (haft_case_dispersion(&law, c, &own) != HAFT_OK) {
+        WRONG(reader, "contact.dispersion.hamaker", "%.400s", own.message);
+    } else if (haft_case_physics(c).vdw && haft_case_vdw(&vdw, c, &own) != HAFT_OK) {
+        WRONG(reader, "contact.dispersion.cut_off", "%.400s", own.message);
+    }
+}
+
+/* Last of all: it is made of a case that is sound in all else. */
+static void make_far_field(haft_case_reader *reader) {
+    haft_error own = {0};
+    bool wanted = reader->c->contact.has_dispersion && reader->complaints == 0;
+    haft_status status = wanted ? haft_case_make_far_field(reader->c, &own) : HAFT_OK;
+    if (status == HAFT_ERROR_MEMORY) {
+        reader->failure = haft_error_set(reader->error, status, "%s", own.message);
+    } else if (status != HAFT_OK) {
+        WRONG(reader, "contact.dispersion.reach", "%.400s", own.message);
+    }
+}
+
+static void check_dispersion(haft_case_reader *reader) {
+    const haft_case *c = reader->c;
+    if (!c->contact.has_dispersion) {
+        return;
+    }
+    check_length(reader, "contact.dispersion.cut_off", c->contact.dispersion.cut_off,
+                 HAFT_DISPERSION_CUT_OFF_LEAST, HAFT_DISPERSION_LENGTH_MOST,
+                 "no distance of faces, the nearest being that of atoms which touch");
+    if (c->contact.dispersion.oxide_thickness > 0) {
+        check_length(reader, "contact.dispersion.oxide.thickness",
+                     c->contact.dispersion.oxide_thickness, 0, HAFT_DISPERSION_LENGTH_MOST,
+                     "thicker than a native oxide is");
+    }
+    check_reach(reader);
+    if (!haft_case_is_given(reader, "contact.dispersion.hamaker") && !c->contact.has_vdw &&
+        haft_case_is_sound(reader, "contact.dispersion.hamaker")) {
+        WRONG(reader, "contact.dispersion.hamaker",
+              "is missing, and there is no section contact.vdw to take it from; add \"hamaker: "
+              "18.65e-20 J\", that of the bodies through air");
+    }
+    if (reader->complaints == 0) {
+        check_tail(reader);
+    }
+}
+
+/* Every asperity that a patch can have must be a sphere that the table of van der Waals forces
+ * holds. */
 static void check_spheres(haft_case_reader *reader) {
     const haft_case *c = reader->c;
     static const char *const needed[] = {"surface.grid_step",     "contact.young_modulus",
                                          "contact.poisson_ratio", "contact.vdw.hamaker_dry",
                                          "contact.vdw.r0",        "contact.vdw.hamaker_humid",
                                          "beam.l_meso",           "beam.width"};
-    haft_physics physics = haft_case_physics(c);
+    bool acts = haft_case_physics(c).vdw;
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
-        physics.vdw = physics.vdw && haft_case_is_sound(reader, needed[i]);
+        acts = acts && haft_case_is_sound(reader, needed[i]);
     }
-    if (!physics.vdw) {
+    for (size_t i = 0; i < DISPERSION_KEYS && c->contact.has_dispersion; i++) {
+        acts = acts && haft_case_is_sound(reader, dispersion_keys[i]);
+    }
+    if (!acts) {
         return;
     }
     double modulus = haft_contact_modulus(c->contact.young_modulus, c->contact.poisson_ratio,
                                           c->contact.young_modulus, c->contact.poisson_ratio);
     double step = c->surface.grid_step;
-    haft_vdw_spec spec = {.hamaker = physics.humid ? c->contact.vdw.hamaker_humid
-                                                   : c->contact.vdw.hamaker_dry,
-                          .r0 = c->contact.vdw.r0};
     haft_vdw vdw;
     haft_error own = {0};
-    haft_status status = haft_vdw_from_spec(&vdw, &spec, &own);
-    HAFT_THEN(status, haft_contact_check_spheres(&vdw, modulus, round(c->mesh.l_meso / step),
-                                                 round(c->beam.width / step), step, &own));
+    haft_status status = haft_case_vdw(&vdw, c, &own);
+    if (status == HAFT_OK) {
+        status = haft_contact_check_spheres(&vdw, modulus, round(c->mesh.l_meso / step),
+                                            round(c->beam.width / step), step, &own);
+    }
     if (status != HAFT_OK) {
         WRONG(reader, "contact.vdw.r0", "%s", own.message);
     }
@@ -377,9 +460,11 @@ void haft_case_cross_check(haft_case_reader *reader) {
     check_load(reader);
     check_distance(reader);
     check_forces(reader);
+    check_dispersion(reader);
     check_spheres(reader);
     check_limit(reader);
     check_chaos(reader);
     check_stop(reader);
     check_evidence(reader);
+    make_far_field(reader);
 }

@@ -22,6 +22,13 @@ static bool is_present(const haft_case *c, const haft_key *key) {
     if (!c->contact.has_vdw && haft_case_is_member(key->path, "contact.vdw")) {
         return false;
     }
+    if (!c->contact.has_dispersion && haft_case_is_member(key->path, "contact.dispersion")) {
+        return false;
+    }
+    if (!(c->contact.dispersion.oxide_thickness > 0) &&
+        haft_case_is_member(key->path, "contact.dispersion.oxide")) {
+        return false;
+    }
     if (!haft_sampler_is_stochastic(c->law.sampler) &&
         haft_case_is_member(key->path, "law.chaos")) {
         return false;

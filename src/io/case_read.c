@@ -287,6 +287,8 @@ static void read_missing(haft_case_reader *reader) {
     reader->c->contact.has_capillary = reader->section_mark[capillary].line != 0;
     int vdw = haft_case_find_section("contact.vdw");
     reader->c->contact.has_vdw = reader->section_mark[vdw].line != 0;
+    int dispersion = haft_case_find_section("contact.dispersion");
+    reader->c->contact.has_dispersion = reader->section_mark[dispersion].line != 0;
 }
 
 static void read_document(haft_case_reader *reader, yaml_document_t *document) {
@@ -384,6 +386,7 @@ void haft_case_destroy(haft_case **c) {
     if (c != NULL && *c != NULL) {
         haft_memory_free((*c)->evidence.realization);
         haft_memory_free((*c)->contact.film_data);
+        haft_memory_free((*c)->contact.far);
         haft_psd_table_destroy(&(*c)->surface.table);
         haft_marginal_destroy(&(*c)->surface.distribution);
         for (size_t k = 0; k < HAFT_FILES_MAX; k++) {

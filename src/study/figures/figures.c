@@ -34,8 +34,8 @@ static void show_sites(shown *s, const haft_case *c, const haft_site_laws *sites
     }
 }
 
-/* Sound laws of the patches of a model. */
-static void show_patches(shown *s, const haft_laws *laws) {
+/* Sound laws among those that a model was built from. */
+static void show_patches(shown *s, const haft_case *c, const haft_laws *laws) {
     s->count = 0;
     for (size_t k = 0; k < CURVES; k++) {
         size_t i = k * laws->m / CURVES, end = (k + 1) * laws->m / CURVES;
@@ -44,6 +44,7 @@ static void show_patches(shown *s, const haft_laws *laws) {
         }
         if (i < end &&
             haft_law_morse(&s->law[s->count], &laws->vector[i], laws->f_limit) == HAFT_LAW_SOUND) {
+            s->law[s->count].far = c->contact.far;
             s->vector[s->count] = laws->vector[i];
             s->curve[s->count] = haft_laws_curve(laws, i);
             s->index[s->count++] = i;
@@ -64,10 +65,15 @@ static haft_status write_curves(const haft_case *c, const haft_laws *laws, const
         double *row = t.value + i * columns;
         double d = laws->n > 0 ? laws->distance[i]
                                : c->contact.distance_from + span * (double)i / (double)(n - 1);
+        double pull = 0; /* curves are without the far field */
+        if (c->contact.far != NULL) {
+            haft_far_field_evaluate(c->contact.far, 1, &d,
+                                    &(haft_far_field_values){.pressure = &pull});
+        }
         row[0] = d * 1e9;
         for (size_t k = 0; k < s->count; k++) {
             double law = haft_law_evaluate(&s->law[k], d).force;
-            row[1 + 2 * k] = (s->curve[k] != NULL ? s->curve[k][i] : law) * 1e-6;
+            row[1 + 2 * k] = (s->curve[k] != NULL ? s->curve[k][i] - pull : law) * 1e-6;
             row[2 + 2 * k] = law * 1e-6;
         }
     }
@@ -114,7 +120,7 @@ static haft_status write_laws(const haft_case *c, const haft_laws *laws, const c
     haft_status status = HAFT_OK;
     shown s = {0};
     if (laws->chaos != NULL) {
-        show_patches(&s, laws);
+        show_patches(&s, c, laws);
     } else {
         haft_case own = *c;
         own.law.unfit = HAFT_UNFIT_TABLE;

@@ -95,6 +95,7 @@ static haft_status write_generated(const haft_case *c, const haft_laws *laws, co
     for (size_t k = 0; k < LAWS; k++) {
         haft_law law;
         bool sound = haft_law_morse(&law, &vector[k], laws->f_limit) == HAFT_LAW_SOUND;
+        law.far = c->contact.far;
         for (size_t i = 0; i < POINTS; i++) {
             double d = from + span * (double)i / (POINTS - 1);
             t.value[i * (1 + LAWS)] = d * 1e9;

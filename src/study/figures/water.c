@@ -17,7 +17,7 @@ haft_status haft_study_write_water(const haft_case *c, const char *directory, ha
         status = haft_capillary_from_spec(&water, &humid.contact.capillary, error);
         t.value[3 * i] = humid.contact.capillary.humidity;
         t.value[3 * i + 1] = water.pressure * 1e-6;
-        t.value[3 * i + 2] = (water.range + 2 * haft_study_film(&humid)) * 1e9;
+        t.value[3 * i + 2] = (water.range + 2 * haft_case_film(&humid)) * 1e9;
     }
     if (status != HAFT_OK) {
         haft_sheet_drop(&t);

@@ -9,14 +9,6 @@
 /* Length of a seamless block: long against the kernel's halo, short against memory. */
 #define BLOCK_LENGTH 12e-6
 
-double haft_study_film(const haft_case *c) {
-    haft_adsorption silica = haft_adsorption_silica();
-    const haft_adsorption *film =
-        c->contact.adsorbed == HAFT_ADSORBED_TABLE ? &c->contact.film : &silica;
-    bool any = c->contact.has_capillary && c->contact.adsorbed != HAFT_ADSORBED_NONE;
-    return any ? haft_adsorption_thickness(film, c->contact.capillary.humidity) : 0;
-}
-
 haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, haft_error *error) {
     double e = c->contact.young_modulus, nu = c->contact.poisson_ratio;
     haft_physics physics = haft_case_physics(c);
@@ -30,13 +22,10 @@ haft_status haft_study_contact_spec(haft_contact_spec *out, const haft_case *c, 
         haft_capillary capillary = {0};
         status = haft_capillary_from_spec(&capillary, &c->contact.capillary, error);
         out->pressure = capillary.pressure;
-        out->capillary_range = capillary.range + 2 * haft_study_film(c);
+        out->capillary_range = capillary.range + 2 * haft_case_film(c);
     }
     if (physics.vdw && status == HAFT_OK) {
-        haft_vdw_spec spec = {.hamaker = physics.humid ? c->contact.vdw.hamaker_humid
-                                                       : c->contact.vdw.hamaker_dry,
-                              .r0 = c->contact.vdw.r0};
-        status = haft_vdw_from_spec(&out->vdw, &spec, error);
+        status = haft_case_vdw(&out->vdw, c, error);
     }
     return status;
 }

@@ -192,9 +192,14 @@ haft_status haft_study_site_laws(haft_site_laws **out, const haft_case *c, const
     bool drawn = haft_sampler_is_stochastic(c->law.sampler), patches = haft_study_draws_patches(c);
     size_t sites = haft_study_sites(c);
     haft_status status = create(out, sites, drawn && patches ? laws->m : sites, error);
-    HAFT_THEN(status, (!drawn    ? use_laws
-                       : patches ? draw_patches
-                                 : draw_laws)(*out, c, laws, realization, error));
+    if (status == HAFT_OK) {
+        status = (!drawn    ? use_laws
+                  : patches ? draw_patches
+                            : draw_laws)(*out, c, laws, realization, error);
+    }
+    for (size_t r = 0; r < sites && status == HAFT_OK; r++) {
+        (*out)->law[r].far = c->contact.far;
+    }
     if (status != HAFT_OK) {
         haft_site_laws_destroy(out);
     }
