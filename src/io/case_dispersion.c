@@ -13,7 +13,7 @@
 
 /* Heights that stand for a marginal; quantiles that stand for either of two faces, of which all
  * sums are taken; bins they are counted in. */
-enum { QUANTILES = 65536, FACE_QUANTILES = 512, BINS = 2000 };
+enum { QUANTILES = 32768, FACE_QUANTILES = 512, BINS = 1000 };
 
 /* A far field that misses the greatest pressure by more is none. */
 #define ERROR_MOST 1e-3
@@ -36,7 +36,14 @@ haft_status haft_case_dispersion(haft_dispersion *out, const haft_case *c, haft_
     if (haft_case_physics(c).capillary) {
         haft_capillary capillary = {0};
         HAFT_TRY(haft_capillary_from_spec(&capillary, &c->contact.capillary, error));
-        out->cut_off = fmax(out->cut_off, capillary.range + 2 * haft_case_film(c));
+        double filled = capillary.range + 2 * haft_case_film(c);
+        if (filled > HAFT_DISPERSION_LENGTH_MOST) {
+            return haft_error_set(error, HAFT_ERROR_INPUT,
+                                  "menisci fill all gaps up to %.4g nm, and a cut-off is %g nm at "
+                                  "most; leave contact.dispersion out at this humidity",
+                                  filled * 1e9, HAFT_DISPERSION_LENGTH_MOST * 1e9);
+        }
+        out->cut_off = fmax(out->cut_off, filled);
     }
     return haft_dispersion_check(out, error);
 }

@@ -160,7 +160,23 @@ static void write_sites(haft_hdf *hdf, const char *group, const haft_model_data 
     haft_memory_free(row);
 }
 
-/* Writes (w, rotation) of every node in every state; node 0 is the clamp and has no unknowns. */
+/* The far field that all laws share, where they have one: as it is evaluated. */
+static void write_far_field(haft_hdf *hdf, const char *group, const haft_far_field *far) {
+    char name[96];
+    hsize_t terms[1] = {HAFT_FAR_FIELD_TERMS};
+    snprintf(name, sizeof name, "%s/far_field", group);
+    haft_hdf_write(hdf, name, HAFT_HDF_REAL, 1, terms, far->coefficient, "J/m^2",
+                   "c_j of the energy U that adds to every law's, with its pull dU/dd: U(d) = "
+                   "t^3 sum_j c_j u^j, t = s/(s + d) - s/(s + d_out), u = far_stretch t - 1, s = "
+                   "far_scale, d_out = far_out; 0 beyond d_out; below far_first the pull goes on "
+                   "along its tangent");
+    haft_hdf_write_real(hdf, group, "far_first", far->first);
+    haft_hdf_write_real(hdf, group, "far_out", far->out);
+    haft_hdf_write_real(hdf, group, "far_scale", far->scale);
+    haft_hdf_write_real(hdf, group, "far_stretch", far->stretch);
+}
+
+/* (w, rotation) of every node in every state; node 0 is the clamp and has no unknowns. */
 static void write_displacement(haft_hdf *hdf, const char *name, const haft_path *path,
                                const haft_model_data *model) {
     hsize_t dims[3] = {path->points, model->nodes, 2};
@@ -205,6 +221,9 @@ static void write_evidence(haft_results *results, size_t realization, const haft
     snprintf(name, sizeof name, "%s/displacement", group);
     if (hdf->status == HAFT_OK) {
         write_displacement(hdf, name, path, model);
+    }
+    if (model->sites > 0 && laws[0].far != NULL) {
+        write_far_field(hdf, group, laws[0].far);
     }
     haft_hdf_write_real(hdf, group, "gap", model->gap);
     haft_hdf_write_limit(hdf, group, haft_case_limit(c));

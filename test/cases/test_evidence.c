@@ -10,6 +10,8 @@ typedef struct evidence {
     double *site_x, *site_area, *e, *f_max, *d_max, *d_limit, *node_x, *load, *displacement;
     double *law_kind, *distance, *force; /* force: of this realization's sites */
     double gap, f_limit, stiffness, load_position;
+    double *far, far_out, far_scale, far_stretch; /* far: NULL without dispersion */
+    size_t far_terms;
 } evidence;
 
 static double *read_reals(hid_t file, const char *name, size_t *count) {
@@ -66,6 +68,13 @@ static evidence read_evidence(const case_folder *c, int realization) {
     v.f_limit = read_constant(file, realization, "f_limit");
     v.stiffness = read_constant(file, realization, "bending_stiffness");
     v.load_position = read_constant(file, realization, "load_position");
+    snprintf(path, sizeof path, "/realizations/%d/evidence/far_field", realization);
+    if (H5Lexists(file, path, H5P_DEFAULT) > 0) {
+        v.far = read_of(file, realization, "far_field", &v.far_terms);
+        v.far_out = read_constant(file, realization, "far_out");
+        v.far_scale = read_constant(file, realization, "far_scale");
+        v.far_stretch = read_constant(file, realization, "far_stretch");
+    }
     H5Fclose(file);
     file = H5Fopen(path_in(c, "out/laws.h5", path), H5F_ACC_RDONLY, H5P_DEFAULT);
     assert_true(file >= 0);
@@ -82,9 +91,9 @@ static evidence read_evidence(const case_folder *c, int realization) {
 }
 
 static void free_evidence(evidence *v) {
-    double *const all[] = {v->site_x,       v->site_area, v->e,        v->f_max,
-                           v->d_max,        v->d_limit,   v->node_x,   v->load,
-                           v->displacement, v->law_kind,  v->distance, v->force};
+    double *const all[] = {v->site_x,   v->site_area, v->e,    v->f_max,        v->d_max,
+                           v->d_limit,  v->node_x,    v->load, v->displacement, v->law_kind,
+                           v->distance, v->force,     v->far};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         free(all[i]);
     }
@@ -130,6 +139,21 @@ static double table_pressure(const evidence *v, size_t r, double d) {
     double t = place - (double)i, m0 = inner_slope(f, i), m1 = inner_slope(f, i + 1);
     return f[i] * (1 + 2 * t) * (1 - t) * (1 - t) + m0 * t * (1 - t) * (1 - t) +
            f[i + 1] * t * t * (3 - 2 * t) + m1 * t * t * (t - 1);
+}
+
+/* What the far field adds: -dU/dd, by the derivatives of t and u. */
+static double far_pressure(const evidence *v, double d) {
+    if (v->far == NULL || d >= v->far_out) {
+        return 0;
+    }
+    double s = v->far_scale, t = s / (s + d) - s / (s + v->far_out),
+           fall = -s / ((s + d) * (s + d));
+    double u = v->far_stretch * t - 1, sum = 0, slope = 0;
+    for (size_t j = v->far_terms; j-- > 0;) {
+        slope = slope * u + sum;
+        sum = sum * u + v->far[j];
+    }
+    return -(3 * t * t * sum + t * t * t * v->far_stretch * slope) * fall;
 }
 
 /* Cubic shape functions of the element that holds x; gives its number. */
@@ -206,6 +230,7 @@ static double imbalance(const evidence *v, size_t state, double factor, double *
             d -= shape[k] * u[2 * i + k];
         }
         double pressure = v->law_kind[r] == 0 ? morse_pressure(v, r, d) : table_pressure(v, r, d);
+        pressure += far_pressure(v, d);
         add_point_force(&b, v, v->site_x[r], pressure * v->site_area[r]);
         *in_contact += fabs(d - v->d_max[r]) < 10e-9;
     }
@@ -257,6 +282,9 @@ static void check_states(const case_folder *c, int realization, const char *what
 #define ALL_EVIDENCE                                                                               \
     { "evidence: [0]", "evidence: all" }
 
+#define DISPERSION                                                                                 \
+    { "contact:", "contact:\n  dispersion: {hamaker: 18.65e-20 J, reach: 200 nm}" }
+
 static void every_state_is_in_balance(void **state) {
     (void)state;
     static const struct {
@@ -268,6 +296,7 @@ static void every_state_is_in_balance(void **state) {
          {ALL_EVIDENCE, {"element_length: 3 um", "element_length: 9 um"}}},
         {"exact mesh", {ALL_EVIDENCE, {"mesh: uniform", "mesh: exact"}}},
         {"tables", {ALL_EVIDENCE, {"kind: morse", "kind: table"}}},
+        {"dispersion", {ALL_EVIDENCE, DISPERSION}},
     };
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
         case_folder c = case_create(variants[i].change);

@@ -48,13 +48,23 @@ static void every_choice_runs_whole(void **state) {
     const edit patches = {"sampler: explicit", "sampler: patches"},
                summits = {"asperities: islands", "asperities: summits"},
                fitted = {"asperities: islands", "asperities: fitted_islands"},
-               table = {"kind: morse", "kind: table"}, exact = {"mesh: uniform", "mesh: exact"};
+               table = {"kind: morse", "kind: table"}, exact = {"mesh: uniform", "mesh: exact"},
+               gap = {"contact:",
+                      "contact:\n  dispersion: {hamaker: 18.65e-20 J, reach: 200 nm, oxide: "
+                      "{thickness: 2 nm, hamaker: 6.5e-20 J}}"};
     const edit variants[][5] = {
-        {patches},        {summits},
-        {table},          {fitted},
-        {exact},          {patches, summits},
-        {summits, exact}, {table, patches},
-        {table, exact},   {patches, summits, table, exact},
+        {patches},
+        {summits},
+        {table},
+        {fitted},
+        {exact},
+        {patches, summits},
+        {summits, exact},
+        {table, patches},
+        {table, exact},
+        {patches, summits, table, exact},
+        {gap},
+        {gap, table, exact},
     };
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
         run_whole(variants[i], HAFT_OUTCOME_STUCK);

@@ -155,6 +155,9 @@ static void settle(draft *d) {
     if (value_of(d, "law.f_limit")[0] == '\0' && value_of(d, "law.f_limit_share")[0] == '\0') {
         put(d, "law.f_limit_share", "20 %");
     }
+    if (draw(d, 2)) {
+        drop(d, draw(d, 2) ? "contact.dispersion.oxide" : "contact.dispersion.");
+    }
     const char *forces = value_of(d, "contact.forces");
     size_t sections = draw(d, 4); /* neither, capillary, vdw, both */
     sections = strcmp(forces, "auto") == 0        ? 3
@@ -165,6 +168,11 @@ static void settle(draft *d) {
         has(d, "contact.capillary.adsorbed", "table") ? "film.csv" : "");
     if ((sections & 1) == 0) {
         drop(d, "contact.capillary.");
+    }
+    if (value_of(d, "contact.dispersion.oxide.hamaker")[0] != '\0' && (sections & 2) == 0) {
+        put(d, "contact.dispersion.hamaker", "1.865e-19 J"); /* or else it is missing */
+    } else if ((sections & 2) == 0) {
+        drop(d, "contact.dispersion.");
     }
     if ((sections & 2) == 0) {
         drop(d, "contact.vdw.");

@@ -165,6 +165,68 @@ static void reach_is_of_the_sum(void **state) {
     haft_law_table_destroy(&table);
 }
 
+/* ---- what of the energy is where ---- */
+
+/* Flat faces from contact to far apart: Dugdale's stress over its range, what is left of w, and
+ * then dispersion from the cut-off on are the work w of the van der Waals forces without
+ * dispersion. */
+static void flat_faces_take_all_the_energy(void **state) {
+    (void)state;
+    haft_vdw_spec spec = {18.65e-20, 0.209e-9};
+    haft_error error = {0};
+    print_message("  cut-off nm  w' of w  stress MPa\n");
+    for (double cut = 0.25e-9; cut < 3e-9; cut *= 2) {
+        haft_dispersion law = {
+            .substrate = 18.65e-20, .retardation = 100e-9, .cut_off = cut, .oxide = 6.5e-20};
+        law.oxide_thickness[0] = law.oxide_thickness[1] = cut > 1e-9 ? 2e-9 : 0;
+        haft_vdw vdw, whole;
+        check_ok(haft_vdw_from_spec(&whole, &spec, &error), error);
+        vdw = whole;
+        check_ok(haft_vdw_leave_tail(&vdw, &law, &error), error);
+        double work = vdw.stress * vdw.range, at = cut; /* and then by Simpson's rule */
+        while (at < 1e-3) {
+            double next = at * 1.02, middle = (at + next) / 2;
+            work += (next - at) / 6 *
+                    (haft_dispersion_at(&law, at).pressure +
+                     4 * haft_dispersion_at(&law, middle).pressure +
+                     haft_dispersion_at(&law, next).pressure);
+            at = next;
+        }
+        check_relative(work, whole.energy, 1e-8);
+        print_message("  %10.3g  %7.4f  %10.4g\n", cut * 1e9, vdw.energy / whole.energy,
+                      vdw.stress * 1e-6);
+    }
+    haft_dispersion near = {.substrate = 18.65e-20, .cut_off = 0.165e-9};
+    haft_vdw vdw;
+    check_ok(haft_vdw_from_spec(&vdw, &spec, &error), error);
+    assert_int_equal(haft_vdw_leave_tail(&vdw, &near, &error), HAFT_ERROR_INPUT);
+}
+
+/* Points farther than Dugdale's range and nearer than the cut-off have no force, unless an asperity
+ * in contact has them: what they would have, of all the energy. */
+static void the_residue_is_told(void **state) {
+    (void)state;
+    const double range = 0.2276e-9, rms = 3.54e-9;
+    print_message("  the residue, of the energy beyond a cut-off of 1 nm (rms 3.54 nm)\n"
+                  "  distance nm  points between  energy J/m^2  residue  pressure kPa  residue\n");
+    for (double d = 8e-9; d < 17e-9; d += 2e-9) {
+        haft_dispersion law = {.substrate = 18.65e-20, .retardation = 100e-9, .cut_off = 1e-9};
+        haft_dispersion all = law;
+        all.cut_off = range;
+        double nearer = 0.5 * erfc((d - range) / rms / sqrt(2));
+        double between = 0.5 * erfc((d - 1e-9) / rms / sqrt(2)) - nearer;
+        haft_dispersion_value counted = haft_dispersion_gaussian(&law, rms, d);
+        haft_dispersion_value whole = haft_dispersion_gaussian(&all, rms, d);
+        double inside =
+            haft_dispersion_at(&all, range).energy - haft_dispersion_at(&law, 1e-9).energy;
+        double residue = whole.energy - nearer * inside - counted.energy;
+        print_message("  %11.0f  %14.2e  %12.3g  %7.3f  %12.4g  %7.3f\n", d * 1e9, between,
+                      counted.energy, residue / counted.energy, counted.pressure * 1e-3,
+                      whole.pressure / counted.pressure - 1);
+        assert_true(residue < 0 && between > 0);
+    }
+}
+
 /* ---- beams ---- */
 
 typedef struct beam {
@@ -300,6 +362,8 @@ int main(void) {
         cmocka_unit_test(values_are_derivatives),
         cmocka_unit_test(rows_are_the_laws),
         cmocka_unit_test(reach_is_of_the_sum),
+        cmocka_unit_test(flat_faces_take_all_the_energy),
+        cmocka_unit_test(the_residue_is_told),
         cmocka_unit_test(every_state_is_a_stable_equilibrium),
         cmocka_unit_test(the_answer_does_not_depend_on_the_step),
         cmocka_unit_test(jumps_land_where_cvode_does),
