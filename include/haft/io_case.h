@@ -256,7 +256,8 @@ typedef struct haft_case {
  *  (load_limit INFINITY, the reference NaN); contact.capillary means dry contact (has_capillary
  *  false, its fields 0); contact.vdw none of those forces (has_vdw false); contact.dispersion none
  *  across the gap (has_dispersion false, far NULL); beam.element_length is
- * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length.
+ * required for a uniform mesh alone (else 0). mesh.active_from is half of load.crack_length, or
+ * less where dispersion is felt from farther than a tenth of the gap.
  *  @return HAFT_ERROR_IO if it cannot be read, HAFT_ERROR_INPUT if it cannot be used. */
 haft_status haft_case_read(haft_case **out, const char *path, haft_error *error) HAFT_MUST_CHECK;
 

@@ -3,6 +3,7 @@
  * the missing keys; then the checks that need several keys. */
 #include "case_text.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -332,6 +333,23 @@ static haft_status parse(haft_case_reader *reader, const haft_case_text *text, c
  * that crack length is far above its substrate there; if it is not, the solver reports it. */
 #define ACTIVE_SHARE 0.5
 
+/* With dispersion the beam is felt from farther, and the zone begins nearer the clamp: at six
+ * tenths of the way to where the S shape from the clamp to the crack's tip, of height
+ * h (1 - 3 x^2 + 2 x^3), comes into reach. */
+#define FAR_SHARE 0.6
+
+static double active_share(const haft_case *c) {
+    double felt = c->contact.dispersion.reach / c->beam.gap, low = 0, high = 1;
+    if (!c->contact.has_dispersion || !(felt < 1)) {
+        return ACTIVE_SHARE;
+    }
+    while (high - low > 1e-6) {
+        double x = 0.5 * (low + high);
+        *(1 - x * x * (3 - 2 * x) > felt ? &low : &high) = x;
+    }
+    return fmin(ACTIVE_SHARE, FAR_SHARE * low);
+}
+
 static haft_status resolve(haft_case **out, const haft_case_text *text, const char *path,
                            size_t variant, haft_error *error) {
     haft_status status = HAFT_ERROR_MEMORY;
@@ -350,7 +368,7 @@ static haft_status resolve(haft_case **out, const haft_case_text *text, const ch
         reader->units = units;
         reader->error = error;
         status = parse(reader, text, path, error);
-        c->mesh.active_from = ACTIVE_SHARE * c->programme.crack_length;
+        c->mesh.active_from = active_share(c) * c->programme.crack_length;
     }
     if (status == HAFT_OK && variant >= c->sweep.variants) {
         status = haft_error_set(error, HAFT_ERROR_ARGUMENT, "%s: there is no variant %zu of %zu",

@@ -13,7 +13,7 @@
 
 /* Decay lengths of a Morse law that its points go out to, and how many they are a length. */
 #define DECAYS 40
-enum { CHUNK = 32, A_DECAY = 2, LEFT = 8, TAIL = 48, HALVINGS = 50 };
+enum { CHUNK = 32, A_DECAY = 2, LEFT = 8, TAIL = 48 };
 
 /* The points of [begin, end) that are within the field. */
 static void add_chunk(const haft_far_field *far, size_t n, const double *d,
@@ -96,37 +96,39 @@ static double point_at(const points *p, size_t i) {
     return i < LEFT ? p->first + left * (law->d_max - p->first) : law->d_max + right / law->a_right;
 }
 
+static double near_force(const points *p, size_t i, double d) {
+    if (p->law->kind == HAFT_LAW_TABLE) {
+        return i + 1 < p->near ? haft_law_table_force(p->law->table, i) : 0;
+    }
+    haft_law near = haft_law_near(p->law);
+    return haft_law_evaluate(&near, d).force;
+}
+
 /* Forces at up to CHUNK points. */
 static void forces_at(const points *p, size_t from, size_t n, double *force) {
     double d[CHUNK];
-    haft_law near = haft_law_near(p->law);
     for (size_t i = 0; i < n; i++) {
         d[i] = point_at(p, from + i);
-        force[i] = haft_law_evaluate(&near, d[i]).force;
+        force[i] = near_force(p, from + i, d[i]);
     }
     haft_law_add_far(p->law->far, n, d, &(haft_law_values){.force = force}, 0);
 }
 
-/* The greatest pull about its greatest point, between the neighbours: by the golden section. */
+static double slope_at(const void *data, double d, double *slope) {
+    haft_law_value value = haft_law_evaluate(data, d);
+    *slope = value.curvature;
+    return value.slope;
+}
+
+/* The greatest pull, about the point of the greatest: where the force turns between its neighbours,
+ * or the point itself. */
 static double refine(const points *p, size_t at, double most, double *where) {
-    const double part = 0.3819660112501051;
     double low = point_at(p, at > 0 ? at - 1 : 0);
     double high = point_at(p, at + 1 < p->all ? at + 1 : at);
-    for (int i = 0; i < HALVINGS; i++) {
-        double a = low + part * (high - low), b = high - part * (high - low);
-        double left = -haft_law_evaluate(p->law, a).force;
-        double right = -haft_law_evaluate(p->law, b).force;
-        if (left > right) {
-            high = b;
-        } else {
-            low = a;
-        }
-        if (fmax(left, right) > most) {
-            most = fmax(left, right);
-            *where = left > right ? a : b;
-        }
-    }
-    return most;
+    double turn = haft_root_find(slope_at, p->law, low, high, true);
+    double pull = -haft_law_evaluate(p->law, turn).force;
+    *where = pull > most ? turn : point_at(p, at);
+    return fmax(pull, most);
 }
 
 static double greatest_pull(const points *p, double *where) {
@@ -145,7 +147,6 @@ static double greatest_pull(const points *p, double *where) {
     if (at == p->all) {
         return 0;
     }
-    *where = point_at(p, at);
     return refine(p, at, most, where);
 }
 

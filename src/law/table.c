@@ -327,6 +327,10 @@ double haft_law_table_point(const haft_law_table *table, size_t i) {
     return i < table->pieces ? table->piece[i].start : table->last;
 }
 
+double haft_law_table_force(const haft_law_table *table, size_t i) {
+    return table->piece[i].force[0];
+}
+
 /* Where the last of the pushes ends, of a table that never pulls. */
 static double end_of_push(const haft_law_table *table) {
     for (size_t i = table->pieces; i-- > 0;) {

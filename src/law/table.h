@@ -30,6 +30,9 @@ void haft_law_tables_evaluate(const haft_table_head *head, size_t n, const doubl
 size_t haft_law_table_points(const haft_law_table *table);
 double haft_law_table_point(const haft_law_table *table, size_t i);
 
+/* The force at a point that is not the last. */
+double haft_law_table_force(const haft_law_table *table, size_t i);
+
 double haft_law_table_reach(const haft_law_table *table, double share);
 double haft_law_table_extent(const haft_law_table *table, double share);
 haft_law_lengths haft_law_table_lengths(const haft_law_table *table);
