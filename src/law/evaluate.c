@@ -18,28 +18,6 @@ haft_law_value haft_law_evaluate(const haft_law *law, double d) {
     return x;
 }
 
-double haft_law_reach(const haft_law *law, double share) {
-    if (!(share > 0 && share < 1)) {
-        return NAN;
-    }
-    if (law->far != NULL) {
-        return haft_law_far_reach(law, share, false);
-    }
-    if (law->kind == HAFT_LAW_TABLE) {
-        return haft_law_table_reach(law->table, share);
-    }
-    /* 1 - sqrt(1 - share) without the cancellation. */
-    return law->d_max - log(share / (1 + sqrt(1 - share))) / law->a_right;
-}
-
-double haft_law_extent(const haft_law *law, double share) {
-    if (law->far != NULL && share > 0 && share < 1) {
-        return haft_law_far_reach(law, share, true);
-    }
-    bool is_table = law->kind == HAFT_LAW_TABLE && share > 0 && share < 1;
-    return is_table ? haft_law_table_extent(law->table, share) : haft_law_reach(law, share);
-}
-
 double haft_law_range(const haft_law *law) {
     if (law->kind == HAFT_LAW_TABLE) {
         return haft_law_table_range(law->table);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Laws with a far field: what it adds, and how far the sum reaches. Private to this room. */
+/* Laws with a far field: their near part, and what it adds. Private to this room. */
 #ifndef HAFT_LAW_FAR_H
 #define HAFT_LAW_FAR_H
 
@@ -16,8 +16,5 @@ static inline haft_law haft_law_near(const haft_law *law) {
  * known to be nil. @return how many are, with it */
 size_t haft_law_add_far(const haft_far_field *far, size_t n, const double *d,
                         const haft_law_values *out, size_t zeros);
-
-/* haft_law_reach() of a law with a far field; with `pushes` haft_law_extent(). */
-double haft_law_far_reach(const haft_law *law, double share, bool pushes);
 
 #endif
