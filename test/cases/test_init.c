@@ -96,12 +96,12 @@ static void three_numbers_do_without_a_map(void **state) {
     haft_case *c = NULL;
     haft_error error = {0};
     scratch_path(&folder, "numbers", place);
-    must_run(HAFT, ARGS("init", place, "--rms=3 nm", "--correlation-length=150 nm", "--hurst=0.8",
+    must_run(HAFT, ARGS("init", place, "--rms=3 nm", "--correlation-length=60 nm", "--hurst=0.8",
                         "--zeta-max=70 rad/um", SMALL));
     snprintf(path, sizeof path, "%.300s/case.yaml", place);
     check_ok(haft_case_read(&c, path, &error), error);
     check_relative(sqrt(haft_case_moments(c).m0), 3e-9, 1e-10);
-    check_relative(haft_case_correlation_length(c), 150e-9, 1e-9);
+    check_relative(haft_case_correlation_length(c), 60e-9, 1e-9);
     haft_case_destroy(&c);
     ran r = run_expect(0, HAFT, ARGS("run", "--json", "--quiet", "--threads", "2", place));
     assert_true(isfinite(json_number(r.out, "stuck_share")));

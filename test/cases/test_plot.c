@@ -104,7 +104,7 @@ static void odd_runs_are_drawn_too(void **state) {
         ran r = run_expect(0, HAFT, ARGS("plot", c.path));
         assert_string_equal(r.err, "");
         ran_free(&r);
-        check_pictures(&c, i >= 1, i == 0);
+        check_pictures(&c, i > 0, i == 0);
         check_psd(&c);
         case_remove(&c);
     }
@@ -127,6 +127,14 @@ static void a_narrow_strip_has_no_rings(void **state) {
     case_remove(&c);
 }
 
+/* Without gnuplot on the path, which takes longer than all else: the data are written. */
+static ran plot_undrawn(const case_folder *c, const char *options) {
+    char command[800];
+    snprintf(command, sizeof command, "PATH=/nowhere exec '%s' plot %s '%s'", HAFT, options,
+             c->path);
+    return run_expect(4, "/bin/sh", ARGS("-c", command));
+}
+
 static void what_is_missing_is_told(void **state) {
     (void)state;
     case_folder c = case_create(NULL);
@@ -140,9 +148,7 @@ static void what_is_missing_is_told(void **state) {
     check_says(r.err, "there is no realization 2; the case has 0 to 1");
     ran_free(&r);
     /* no gnuplot on the path: the data are there all the same, and said to be */
-    char command[800];
-    snprintf(command, sizeof command, "PATH=/nowhere exec '%s' plot '%s'", HAFT, c.path);
-    r = run_expect(4, "/bin/sh", ARGS("-c", command));
+    r = plot_undrawn(&c, "");
     check_says(r.err, "gnuplot cannot be run");
     check_says(r.err, "as CSV");
     ran_free(&r);
@@ -159,7 +165,8 @@ static void any_realization_is_drawn(void **state) {
     for (int i = 0; i < 2; i++) {
         case_folder c = case_create(i == 0 ? none : both);
         must_run(HAFT, ARGS("run", "--quiet", c.path));
-        must_run(HAFT, ARGS("plot", "--quiet", "--realization", "1", c.path));
+        ran r = plot_undrawn(&c, "--realization 1");
+        ran_free(&r);
         shapes[i] = read_whole_file(path_in(&c, "out/plots/shapes.csv", path), NULL);
         case_remove(&c);
     }
@@ -171,10 +178,13 @@ static void any_realization_is_drawn(void **state) {
 /* Two runs of the same beams but for their load: the second is held against the first. */
 static void a_run_is_held_against_another(void **state) {
     (void)state;
-    static const edit three[] = {{"realizations: 2", "realizations: 12"}, {0}};
-    static const edit other[] = {
-        {"realizations: 2", "realizations: 12"}, {"thickness: 1 um", "thickness: 1.1 um"}, {0}};
-    case_folder a = case_create(three), b = case_create(other);
+    static const edit first[] = {
+        {"realizations: 2", "realizations: 12"}, {"width: 3 um", "width: 1.5 um"}, {0}};
+    static const edit other[] = {{"realizations: 2", "realizations: 12"},
+                                 {"width: 3 um", "width: 1.5 um"},
+                                 {"thickness: 1 um", "thickness: 1.1 um"},
+                                 {0}};
+    case_folder a = case_create(first), b = case_create(other);
     ran r = run_expect(4, HAFT, ARGS("info", "--against", a.path, b.path));
     check_says(r.err, "results.h5");
     ran_free(&r);
