@@ -317,7 +317,8 @@ static void twins_have_the_maps_laws(void **state) {
     static const char *const numbers[] = {"e", "f_max", "zero-force distance"};
     haft_laws *laws[3];
     for (int k = 0; k < 3; k++) {
-        snprintf(surface, sizeof surface, "surface: {maps: [%s], grid_step: 5 nm, %s}", names,
+        snprintf(surface, sizeof surface,
+                 "surface: {maps: [%s], grid_step: 5 nm, kernel_tolerance: 1e-3, %s}", names,
                  kinds[k]);
         laws[k] = build(&s, surface);
     }

@@ -109,7 +109,10 @@ static void laws_that_are_there_are_added_to(void **state) {
 static void a_campaign_keeps_laws_of_its_own_beams_alone(void **state) {
     (void)state;
     static const edit stopping[] = {
-        {"realizations: 2", "realizations: 50\n  stop: {crack_length_mean: 3 um}"}, {NULL, NULL}};
+        {"realizations: 2", "realizations: 50\n  stop: {crack_length_mean: 3 um}"},
+        {"width: 3 um", "width: 1 um"},
+        {"step: 0.2 nm", "step: 0.5 nm"},
+        {NULL, NULL}};
     case_folder one = case_create(stopping), more = case_create(stopping);
     must_run(HAFT, ARGS("run", "--quiet", "--threads", "1", one.path));
     must_run(HAFT, ARGS("run", "--quiet", "--threads", "5", more.path));

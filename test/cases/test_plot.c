@@ -95,7 +95,7 @@ static void odd_runs_are_drawn_too(void **state) {
     }
     static const edit variants[][3] = {
         {{"realizations: 2", "realizations: 1"}, {"kind: morse", "kind: table"}},
-        {{"realizations: 2", "realizations: 3"}, {"grid_step: 10 nm", "grid_step: 2.5 nm"}},
+        {{"grid_step: 10 nm", "grid_step: 2.5 nm"}},
         {{"realizations: 2", "realizations: 3"}, {"thickness: 1 um", "thickness: 10 um"}},
     };
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
@@ -104,7 +104,7 @@ static void odd_runs_are_drawn_too(void **state) {
         ran r = run_expect(0, HAFT, ARGS("plot", c.path));
         assert_string_equal(r.err, "");
         ran_free(&r);
-        check_pictures(&c, i > 0, i == 0);
+        check_pictures(&c, i == 2, i == 0);
         check_psd(&c);
         case_remove(&c);
     }

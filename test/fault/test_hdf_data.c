@@ -136,7 +136,7 @@ static void a_flipped_bit_is_harmless_or_told(void **state) {
         size_t size = 0;
         char *bytes = read_whole_file(path, &size);
         check_ok(read_by(reader, path, before, &error), error);
-        for (uint64_t k = 0; k < 60; k++) {
+        for (uint64_t k = 0; k < 30; k++) {
             uint64_t w[4];
             haft_random_words(key, k, (uint64_t)reader, 0, w);
             size_t at = k < 5 ? w[0] % 90 : DATA_HEADER + w[0] % (size - DATA_HEADER);
@@ -178,7 +178,7 @@ static void changed_bytes_without_checksum_do_no_harm(void **state) {
         }
         char *bytes = data_strip(path, &size);
         accept_by(reader, path);
-        for (uint64_t k = 0; k < 80; k++) {
+        for (uint64_t k = 0; k < 40; k++) {
             uint64_t w[4];
             haft_error error = {0};
             char print[HAFT_DIGEST_CAPACITY];
