@@ -3,7 +3,7 @@
  * of them are tried by study_allocations.c. */
 #include "failing.h"
 
-enum { OWN_TRIES = 8, ANY_TRIES = 2 };
+enum { OWN_TRIES = 5, ANY_TRIES = 2 };
 
 static size_t try_some(const char *name, failing_mode mode, unsigned long tries) {
     failing f;

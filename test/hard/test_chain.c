@@ -166,7 +166,6 @@ static void a_chain_jumps_as_brute_force_does(void **state) {
         check_ok(haft_solve_path(&path, c.model, c.law, &programme, &options, &error), error);
         assert_true(path->outcome == HAFT_OUTCOME_STUCK || path->outcome == HAFT_OUTCOME_FREE);
         check_less(path->ledger_error, 1e-10);
-        compare(&c, path, top, 1000);
         compare(&c, path, top, 3000);
         jumps += path->jumps;
         haft_path_destroy(&path);

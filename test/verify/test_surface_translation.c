@@ -118,8 +118,7 @@ static void the_radial_psd_is_the_one_asked_for(void **state) {
     static const struct {
         int psd;
         double skewness, kurtosis;
-    } cases[] = {{0, 0, 3}, {0, 1, 5}, {1, 0, 3},       {1, 0.545, 3.38},
-                 {1, 2, 9}, {2, 0, 3}, {2, 0.545, 3.38}};
+    } cases[] = {{0, 0, 3}, {0, 1, 5}, {1, 0, 3}, {1, 2, 9}, {2, 0, 3}, {2, 0.545, 3.38}};
     static double line[HALF + STENCIL + 1];
     fill_ragged(&psd[2]);
     double gaussian = 0;
