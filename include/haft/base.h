@@ -80,9 +80,8 @@ typedef enum haft_status {
     HAFT_ERROR_INTERRUPTED, /**< the caller asked to stop early */
 } haft_status;
 
-/** Returns from the calling function with the status of a call that fails. It frees nothing: a
- *  function that owns memory puts the steps that may fail into another function, frees after it,
- *  and returns its status. */
+/** Returns from the calling function with the status of a call that fails. It frees nothing: in a
+ *  function that owns memory use HAFT_THEN(). */
 #define HAFT_TRY(call)                                                                             \
     do {                                                                                           \
         const haft_status try_status = (call);                                                     \
