@@ -29,14 +29,14 @@ static void write_results(const char *path) {
     }
     haft_path walked = {
         .points = POINTS, .jumps = JUMPS, .turn = 3, .point = point, .jump = jump, .state = state};
-    haft_model model = {.dofs = DOFS,
-                        .scale = scale,
-                        .gap = 1.9e-6,
-                        .sites = SITES,
-                        .site = site,
-                        .load = {.x = 6e-5},
-                        .nodes = NODES,
-                        .node_x = node_x};
+    haft_model_data model = {.dofs = DOFS,
+                             .scale = scale,
+                             .gap = 1.9e-6,
+                             .sites = SITES,
+                             .site = site,
+                             .load = {.x = 6e-5},
+                             .nodes = NODES,
+                             .node_x = node_x};
     haft_status status = haft_results_create(&results, path, c, NULL, true, &error);
     for (size_t k = 0; k < BEAMS && status == HAFT_OK; k++) {
         status = haft_results_add(results, k, &walked, &model, laws, vectors, &summary, &error);
